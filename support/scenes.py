@@ -22,7 +22,7 @@ from sdf_lights.render.material import Material, Node
 from sdf_lights.render.nodes.normals import displaced_as_bump
 from sdf_lights.render.nodes.variables import BACKFACING, NORMAL, POSITION, RAY_LENGTH
 from sdf_lights.render.scene import Camera, Image, Instance, Lamp, Mesh, Projection, Ray, Scene, Shutter, World
-from sdf_lights.render.settings import Filter, Settings
+from sdf_lights.render.settings import Filter, LampPaths, Settings
 from sdf_lights.sdf import shapes
 from sdf_lights.sdf.emission import Emission, EmissionExpression
 from support.graphs import Graph
@@ -195,6 +195,30 @@ def torus_room(width: int = WIDTH, height: int = HEIGHT) -> Scene:
     scene = room(width, height)
     add(scene, 1, translation(-0.7, 0.5, 0.5) @ rotation("z", 25) @ scaling(0.4, 0.4, 0.5), diffuse(GREY))
     scene.lamps.append(torus_lamp())
+    return scene
+
+
+def cove(width: int = WIDTH, height: int = HEIGHT) -> Scene:
+    """A lamp above a shelf, which hides it from most of the room: light comes by way of the ceiling, and light paths are used.
+
+    In the room are a coarse smooth ball that is glossy, too, a box of metal, a tinted pane, and glass before the lamp.
+    """
+    scene = room(width, height, lamp_paths=LampPaths.ALWAYS)
+    add(scene, 1, translation(0.0, 1.2, 2.3) @ scaling(1.6, 0.75, 0.03), diffuse(GREY))
+    clear_coat = material("principled", "ball", base_color=RED, roughness=0.4)
+    add(scene, 2, translation(-0.7, 0.2, 0.6) @ scaling(0.6, 0.6, 0.6), clear_coat)
+    scene.instances[-1].terminator = 0.1
+    add(
+        scene,
+        1,
+        translation(0.8, 0.6, 0.5) @ rotation("z", 25) @ scaling(0.4, 0.4, 0.5),
+        material("glossy", "metal", color=WHITE, roughness=0.35),
+    )
+    pane = Node("transparent", {"color": (0.5, 0.9, 0.6)})
+    tinted = Node("mix_closure", {"factor": 0.6, "a": Node("diffuse", {"color": GREY}), "b": pane})
+    add(scene, 0, translation(0.6, -0.4, 1.2) @ rotation("x", 90) @ scaling(0.6, 0.5, 1.0), Material("tinted", tinted))
+    add(scene, 1, translation(-0.5, 0.7, 2.6) @ scaling(0.3, 0.03, 0.15), material("glass", "glass", roughness=0.0))
+    scene.lamps.append(torus_lamp(0.0, 1.3, 2.6, 60.0, 0.3))
     return scene
 
 
@@ -1016,6 +1040,7 @@ SCENES = {
     builder.__name__: builder
     for builder in (
         torus_room,
+        cove,
         blender_lights,
         world_color,
         environment,

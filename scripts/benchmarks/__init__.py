@@ -35,6 +35,7 @@ NAMES = (
     "files",
     "scenes",
     "allocation",
+    "indirect",
     "trust",
     "hard",
     "check",

@@ -143,6 +143,14 @@ class Film:
         self._denoised: np.ndarray | None = None
         self._clean_shadow: np.ndarray | None = None
 
+    def clear(self) -> None:
+        """Forget all samples, but not how pixels shall be sampled."""
+        for array in (*self.sums.values(), self.light_sums, self.data_sums, self.matte_sums, self.count, self.surfaces):
+            array[...] = 0
+        for array in (self.divided, self.squares, self.discarded):
+            array[...] = 0
+        self.samples, self.earlier = 0, None
+
     def read(self, name: str, rows: slice = slice(None)) -> np.ndarray:
         """(height, width, channels) float32 of the pass ``name``, from the samples so far; of the given rows, or of
         all."""

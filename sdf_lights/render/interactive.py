@@ -25,7 +25,8 @@ from .errors import RenderError
 from .film import Film
 from .interfaces import InteractiveBackEnd
 from .scene import Camera, Ray, Scene
-from .session import LARGEST_BATCH, check_size, choose_back_end
+from .session import check_size, choose_back_end
+from .settings import LARGEST_BATCH
 
 # Seconds: maximum time of the first coarse picture, time between two published pictures, and maximum time of a batch of
 # samples, which a pause does not interrupt.

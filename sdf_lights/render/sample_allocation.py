@@ -124,7 +124,7 @@ def update(film: Film, settings: Settings) -> None:
     film.rate[known] = rate[known]
     if divides:
         film.branches[known] = count[known]
-        film.branches[(_even(len(known)) < PART) & (film.branches < TELLING)] = TELLING
+        film.branches[(even_numbers(len(known)) < PART) & (film.branches < TELLING)] = TELLING
 
 
 def samples_left(film: Film) -> int:
@@ -152,11 +152,11 @@ def _branches_by_one(film: Film) -> int:
     if not lit.any():
         return taken
     before = np.median(all_of_it[lit] / of_branch[lit]) - 1.0 / taken
-    best = math.sqrt(_own_cost(film) * branches / met / max(before, 1e-9))
+    best = math.sqrt(own_cost(film) * branches / met / max(before, 1e-9))
     return round(min(max(best, 1.0), MOST_BRANCHES))
 
 
-def _own_cost(film: Film) -> float:
+def own_cost(film: Film) -> float:
     """C: what a sample costs beside its branches, in surfaces that these meet."""
     return COST + CUT_COST * film.divided[:, 4].sum() / max(film.count.sum(), 1)
 
@@ -215,7 +215,7 @@ def _noise(film: Film, known: np.ndarray) -> _Noise | None:
         return None
     power = _power(film, known, sums, variance, weight)
     met = film.divided[:, 2].sum() / max(film.divided[:, 0].sum(), 1.0)
-    return _Noise(known, first, second, power, met, _own_cost(film))
+    return _Noise(known, first, second, power, met, own_cost(film))
 
 
 def _power(film: Film, known: np.ndarray, sums: np.ndarray, variance: np.ndarray, weight: np.ndarray) -> float:
@@ -279,7 +279,7 @@ def _best(noise: _Noise, alike, samples: int, rates, branches) -> tuple[np.ndarr
     more, fewer = best(start * 2.0**low), best(start * 2.0**high)
     # All pixels of a kind would change at one price. To meet the number of samples, only some change, spread evenly.
     part = (samples * pixels.sum() - taken(fewer)) / max(taken(more) - taken(fewer), 1.0)
-    return tuple(choices[np.where(_even(len(of_pixel)) < part, more[of_pixel], fewer[of_pixel])].T)
+    return tuple(choices[np.where(even_numbers(len(of_pixel)) < part, more[of_pixel], fewer[of_pixel])].T)
 
 
 def _cost(noise: _Noise, count: np.ndarray, samples: int, rate: np.ndarray, branches: np.ndarray) -> float:
@@ -290,7 +290,7 @@ def _cost(noise: _Noise, count: np.ndarray, samples: int, rate: np.ndarray, bran
     return float(error[noise.known].sum() * time[noise.known].sum())
 
 
-def _even(number: int) -> np.ndarray:
+def even_numbers(number: int) -> np.ndarray:
     """(number,) numbers below 1, those of neighbours evenly spread."""
     values = np.arange(number) * GOLDEN
     return values - np.floor(values)

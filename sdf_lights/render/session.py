@@ -18,9 +18,8 @@ from .film import Film, bytes_of_a_pixel
 from .gpu.device import DeviceError
 from .interfaces import BackEnd, InteractiveBackEnd
 from .scene import Scene
-from .settings import Device, Settings
+from .settings import LARGEST_BATCH, Device, Settings
 
-LARGEST_BATCH = 32
 # Seconds until the first picture is shown, and between two pictures.
 FIRST_UPDATE, UPDATE_INTERVAL = 0.25, 1.0
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 # Number of branches of a path: the maximum, and the number until the noise of pixels is known.
 MOST_BRANCHES, START_BRANCHES = 16, 4
+LARGEST_BATCH = 32  # samples between two decisions
 
 
 class Device(enum.Enum):
@@ -29,6 +30,14 @@ class LampSampling(enum.Enum):
     # the sampler registered with emitter/sampling/external.py; else as PROJECTION. Only on the CPU
     EXTERNAL = "EXTERNAL"
     BSDF = "BSDF"  # no light rays
+
+
+class LampPaths(enum.Enum):
+    """Whether paths from SDF lamps help those from the camera (docs/sampling.md)."""
+
+    AUTOMATIC = "AUTOMATIC"  # in final renders, where the first samples show that it pays
+    ALWAYS = "ALWAYS"  # where the scene can have it
+    NEVER = "NEVER"
 
 
 class Filter(enum.Enum):
@@ -99,6 +108,13 @@ class Settings:
         True,
         "Give noisy pixels up to 8 times as many samples as set, and clean pixels half as many or fewer. This gives "
         "less noise in the same time. Only on the CPU and without a noise threshold",
+    )
+    lamp_paths: LampPaths = _setting(
+        LampPaths.AUTOMATIC,
+        "Trace paths from the SDF lamps, too, and connect them to those from the camera. This gives less noise where walls "
+        "pass on the light of hidden lamps. Automatic measures whether it pays. Only on the CPU, in final renders, and if "
+        "all light comes from SDF lamps",
+        label="Paths from Lamps",
     )
     clamp_direct: float = _setting(
         0.0, "Maximum value that one sample of direct light adds. 0 is no clamp, and no bias", 0.0, None

@@ -26,6 +26,7 @@ PASSES = ("Combined", "Depth", "Position", "Normal", "Diffuse Color", "Denoising
 WITH_MEDIA = ("Combined", "SDF Lamps")
 QUICK = (
     "torus_room",
+    "cove",
     "blender_lights",
     "environment",
     "skylight",

@@ -61,7 +61,7 @@ def pictures(branches: int, seeds: int, samples: int, **changes) -> tuple[np.nda
         session.render(room(samples=samples, indirect_paths=branches, seed=seed, **changes), ())
         for seed in range(seeds)
     ]
-    work = np.mean([sample_allocation._own_cost(film) * film.count.sum() + film.divided[:, 2].sum() for film in films])
+    work = np.mean([sample_allocation.own_cost(film) * film.count.sum() + film.divided[:, 2].sum() for film in films])
     return np.array([film.read("Combined")[..., :3] for film in films], np.float64), float(work)
 
 

@@ -56,9 +56,7 @@ def sample_point(block, lamp, x, store, cut, u1, u2, u3):
     row, place = lamps(block)[lamp], placements(block)[lamp]
     if cut.strategy == PROJECTION and (row.glow < 0 or cut.points == UNIFORM_POINTS):
         way = way_inside(block, lamp, x, u1, u2, u3)
-        if row.glow < 0:
-            return way, intensity(block, lamp)
-        return way, scale(_emission_at(block, row, sub(add(x, way), vec(row.center))), row.volume)
+        return way, uniform_intensity(block, lamp, sub(add(x, way), vec(row.center)))
     if row.glow < 0:
         boxes, cells = store[cut.slot], lamp_cells(block)[place.first_cell :]
         q, level, k = draw(block, lamp, place, boxes, cut, cells, (u1, u2, u3))
@@ -68,6 +66,15 @@ def sample_point(block, lamp, x, store, cut, u1, u2, u3):
                 return NOTHING
         return transform_vector(place.matrix, q), scale(vec(row.emission), cut.total / level)
     return _glowing_point(block, lamp, row, place, x, store, cut, (u1, u2, u3))
+
+
+@kernel
+def uniform_intensity(block, lamp, offset):
+    """Radiant intensity (RGB, W/sr) with which a uniform point of a lamp, relative to its centre, stands for all of it."""
+    row = lamps(block)[lamp]
+    if row.glow < 0:
+        return intensity(block, lamp)
+    return scale(_emission_at(block, row, offset), row.volume)
 
 
 @kernel

@@ -24,6 +24,8 @@ from ...sdf.data import simplest
 from ...sdf.emission import EmissionExpression
 from ...sdf.shapes import SHAPES, Box, Difference, Sphere
 from ..film import Film
+from ..kernels.light_paths import parts as light_path_parts
+from ..kernels.light_paths import trace, tree
 from ..kernels.media import parts as media_parts
 from ..kernels.outputs import parts as output_parts
 from ..kernels.packing import BLOCK
@@ -36,6 +38,8 @@ from ..material import Material, Node
 from ..nodes import common
 from ..scene import Camera, Instance, Lamp, Mesh, Scene
 from ..settings import Settings
+from .block import PackedScene, Workspace
+from .light_paths import LightPaths
 from .path_splitting import render_tile
 from .renderer import CpuRenderer
 
@@ -96,6 +100,8 @@ def _parts() -> tuple[list, Callable[[], None]]:
 
     records = BLOCK, WORKSPACE
     kernels = [
+        *light_path_parts.KERNELS.values(),
+        *(tree.build, tree.place, trace.trace_light_paths, trace.find_pilots, trace.dim_unseen),
         *(kernel for kernel, _ in media_parts.KERNELS.values()),
         *subsurface_parts.KERNELS.values(),
         *(kernel for _, kernel, _ in output_parts.KERNELS.values()),
@@ -113,6 +119,9 @@ def _parts() -> tuple[list, Callable[[], None]]:
         subsurface_parts.addresses(True, records)
         strand_parts.addresses(True, records)
         output_parts.compile_all(records)
+        scene = _scene()
+        packed = PackedScene(scene, Film(scene, ()))
+        LightPaths(scene, packed, [Workspace(packed)]).use(0)
 
     return kernels, run
 

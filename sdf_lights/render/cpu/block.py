@@ -14,6 +14,8 @@ from ..errors import RenderError
 from ..film import Film
 from ..kernels import camera, geometry, lamp_tree, lights, motion, path, shading
 from ..kernels import film as film_kernels
+from ..kernels.light_paths import parts as light_path_parts
+from ..kernels.light_paths import records as light_path_records
 from ..kernels.media import pack as media
 from ..kernels.media import parts as media_parts
 from ..kernels.media import records as media_records
@@ -77,6 +79,7 @@ class PackedScene:
             },
             {"has_subsurface": bool(deep.any())},
         )
+        self.set_light_paths({})
         self._moving: motion.Moving | None = None
         self.update_lights(scene)
         self.update_camera(scene, film)
@@ -102,6 +105,22 @@ class PackedScene:
         self._tables |= tables
         for name, value in scalars.items():
             self.block[name] = value
+
+    @property
+    def graphs(self) -> shading.Graphs:
+        """The formulas of all materials."""
+        return self._graphs
+
+    def table(self, name: str) -> np.ndarray:
+        """A table that kernels read."""
+        return self._tables[name]
+
+    def set_light_paths(self, tables: dict[str, np.ndarray]) -> None:
+        """Connect paths with the vertices of light paths in these tables of ``light_paths.records``; with nothing without them."""
+        connects = "light_path_vertices" in tables
+        empty = {name: np.zeros(0, dtype) for name, dtype in light_path_records.TABLES.items()}
+        code = {"light_path_code": light_path_parts.addresses(connects, (BLOCK, WORKSPACE))}
+        self._fill(empty | tables | code, {"light_paths": connects})
 
     def update_lights(self, scene: Scene) -> None:
         """Take the lamps and lights of ``scene``. Its meshes, materials and world must be unchanged.
@@ -139,21 +158,23 @@ class PackedScene:
             self._bare.update_camera(catchers_only(scene), film)
             self._bare.block["outputs"] = 0
         self._show(np.array([int(scene.lamps[index].visibility) for index in self._built], np.int64))
-        self._fill(
-            {**camera.pack_camera(scene), **film_kernels.pack_film(film)},
-            {**camera.camera_scalars(scene), **film_kernels.film_scalars(film)},
-        )
+        self._fill(camera.pack_camera(scene), camera.camera_scalars(scene))
+        self.set_film(scene, film)
+        self._fill({}, integrator_scalars(scene, self._flags, self._tables))
+        self._fill({}, media.camera_scalars(scene.camera, self._tables["media_bounds"], scene, *self._boxes))
+        if self._external is external.NONE and scene.settings.lamp_sampling is LampSampling.EXTERNAL:
+            self._external = self._pack_external([scene.lamps[index] for index in self._built])
+        self._fill(self._external.tables, {})
+
+    def set_film(self, scene: Scene, film: Film) -> None:
+        """Add the next samples to this film."""
+        self._fill(film_kernels.pack_film(film), film_kernels.film_scalars(film))
         emitters = [*(scene.lamps[index] for index in self._built), *scene.lights, scene.world]
         tables, scalars = output_parts.pack(scene, film, emitters, self._emissive.instance)
         tables["output_code"] = output_parts.addresses(film, (BLOCK, WORKSPACE))
         self._fill(tables, scalars)
         self.output_counts = output_parts.workspace_counts(film)
-        self._fill({}, integrator_scalars(scene, self._flags, self._tables))
         self.block["shows_environment"] = film.sums["environment"].size > 0
-        self._fill({}, media.camera_scalars(scene.camera, self._tables["media_bounds"], scene, *self._boxes))
-        if self._external is external.NONE and scene.settings.lamp_sampling is LampSampling.EXTERNAL:
-            self._external = self._pack_external([scene.lamps[index] for index in self._built])
-        self._fill(self._external.tables, {})
 
     def _pack_motion(self, scene: Scene) -> None:
         """The shutter, and the tables that move while it is open."""
@@ -223,6 +244,7 @@ class Workspace:
             **shading.WORKSPACE_COUNTS,
             **cuts.WORKSPACE_COUNTS,
             **lights.WORKSPACE_COUNTS,
+            **light_path_records.WORKSPACE_COUNTS,
             **media_records.WORKSPACE_COUNTS,
             **packed.output_counts,
             **lamp_tree.workspace_counts(len(packed.lamps)),

@@ -21,6 +21,7 @@ from ..kernels.integrator import (
     start_path,
     trace_path,
 )
+from ..kernels.light_paths import apart as light_paths
 from ..kernels.media.records import inside_table
 from ..kernels.motion import set_time
 from ..kernels.outputs import apart as outputs
@@ -45,6 +46,10 @@ from ..kernels.workspace import cut_table, secondary_table
 # Of a branch: estimates know nothing of what shadows, and of light by other ways. With 0.1 what is left is as noisy, but the
 # greatest error of a pixel is up to a quarter greater.
 LEAST_SURVIVAL = 0.3
+CONNECTION_COST = 1.0  # time of a connection, with that of the weights at the next hit, in surfaces that rays meet
+LEAST_LEFT = 0.02  # of what connections to light paths leave to a branch
+
+WHITE = (1.0, 1.0, 1.0)
 
 control_table = table("control", np.int64)
 
@@ -88,11 +93,24 @@ def trace_branches(block, workspace, x, y, branches, first_branch):
     put(sample.lamps_before, vec(sample.lamps))
     paths[WAITING] = paths[0]
     keep_state(block, workspace, WAITING)
+    if block.light_paths:
+        light_paths.choose(block, workspace)
     for branch in range(branches):
+        light = brightness(sample)
         paths[0] = paths[WAITING]
         use_state(block, workspace, WAITING)
         paths[0].index, paths[0].share = first_branch + branch, 1.0 / branches
+        if block.light_paths:
+            light_paths.connect(block, workspace)
+            sample.met += CONNECTION_COST
         paths[0].alive = int(scatter(block, workspace))
+        if block.light_paths and paths[0].alive and paths[0].pdf > 0.0:
+            paths[0].connects = 1
+            if paths[0].has_glossy:
+                light_paths.share(block, workspace)
+            else:
+                put(paths[0].connected, WHITE)
+        paths[0].brought = brightness(sample) - light
         if block.has_subsurface:
             ray_table(workspace)[FIRST_BRANCH_RAY + branch] = ray_table(workspace)[0]
         paths[FIRST_BRANCH + branch] = paths[0]
@@ -125,7 +143,6 @@ def intersect_branches(block, workspace, branches):
     sample = sample_table(workspace)[0]
     for branch in range(branches):
         if not paths[FIRST_BRANCH + branch].alive:
-            paths[FIRST_BRANCH + branch].brought = 0.0
             continue
         light = brightness(sample)
         paths[0] = paths[FIRST_BRANCH + branch]
@@ -141,9 +158,11 @@ def intersect_branches(block, workspace, branches):
                 number = lights.tree_of(block, hit_instance(rays[0]))
             if path.event != AT_EXIT:
                 position = madd(position, path.length, vec(path.direction))
+            if block.light_paths and path.connects:
+                path.left = light_paths.foresee(block, workspace)
             path.expected = largest(vec(path.throughput)) * lights.irradiance(block, number, position)
             rays[FIRST_BRANCH_RAY + branch] = rays[0]
-        path.brought = brightness(sample) - light
+        path.brought += brightness(sample) - light
         paths[FIRST_BRANCH + branch] = paths[0]
         keep_state(block, workspace, FIRST_BRANCH + branch)
 
@@ -161,7 +180,7 @@ def choose_branches(workspace, branches):
     for branch in range(branches):
         path = paths[FIRST_BRANCH + branch]
         if path.alive:
-            total += path.expected
+            total += path.expected * max(path.left, LEAST_SURVIVAL)
             count += 1
     if count < 2 or not 0.0 < total < np.inf:
         return
@@ -170,9 +189,11 @@ def choose_branches(workspace, branches):
     for branch in range(branches):
         path = paths[FIRST_BRANCH + branch]
         if path.alive:
-            survival = min(max(path.expected * count / total, LEAST_SURVIVAL), 1.0)
+            path.left = max(path.left, LEAST_LEFT)
+            survival = min(path.left * max(path.expected * count / total, LEAST_SURVIVAL), 1.0)
             path.alive = int(math.floor(passed + survival) > math.floor(passed))
             passed += survival
+            path.left = min(path.left, survival)
             put(path.throughput, scale(vec(path.throughput), 1.0 / survival))
 
 

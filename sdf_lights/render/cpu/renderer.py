@@ -9,6 +9,8 @@ import os
 import threading
 from collections.abc import Callable
 
+import numpy as np
+
 from ... import emitter as lamps
 from ... import jit, kernel_cache
 from ...interruption import Interrupted, Watch, check, watched
@@ -18,6 +20,9 @@ from ..film import Film
 from ..scene import Scene
 from . import background
 from .block import PackedScene, Workspace
+from .light_path_pilot import SAMPLES as PILOT_SAMPLES
+from .light_path_pilot import Pilot, pays, pilot_pixels, promises
+from .light_paths import LightPaths
 from .path_splitting import render_tile
 
 TILE = 32
@@ -31,9 +36,10 @@ class CpuRenderer:
     name = "CPU"
 
     def __init__(self, scene: Scene, film: Film, cancelled: Callable[[], bool], say: Callable[[str], None]):
-        self._film, self._settings = film, scene.settings
+        self._scene, self._film, self._settings = scene, film, scene.settings
         self._warnings = scene.warnings
         self._packed: PackedScene | None = None
+        self._light_paths: LightPaths | None = None
         self._workspaces: list[Workspace] = []
         self._tiles = _tiles(film)
         self.ready = self._prepare(scene, cancelled, say)
@@ -53,6 +59,7 @@ class CpuRenderer:
                     check()
                 self._workspaces = _workspaces(packed, scene, len(self._tiles))
                 self._packed = packed
+                self._light_paths = LightPaths.of(scene, packed, self._workspaces)
                 self._render((0, 0, 0, 0), 0, self._workspaces[0])
             except Interrupted:
                 pass
@@ -78,16 +85,19 @@ class CpuRenderer:
     def update_lights(self, scene: Scene) -> None:
         """Take the lamps and lights of ``scene``, which is otherwise unchanged."""
         self._packed.update_lights(scene)
+        self._scene = scene
         self._warnings = scene.warnings
         self._workspaces = _workspaces(self._packed, scene, len(self._tiles))
+        self._light_paths = LightPaths.of(scene, self._packed, self._workspaces)
 
     def update_camera(self, scene: Scene, film: Film) -> None:
         """Take the camera, the settings and the ray visibility of lamps of ``scene``, and another film."""
-        self._film, self._settings, self._tiles = film, scene.settings, _tiles(film)
+        self._scene, self._film, self._settings, self._tiles = scene, film, scene.settings, _tiles(film)
         before = self._packed.output_counts
         self._packed.update_camera(scene, film)
         if self._packed.output_counts != before:
             self._workspaces = _workspaces(self._packed, scene, len(self._tiles))
+        self._light_paths = LightPaths.of(scene, self._packed, self._workspaces)
 
     def interrupt(self) -> None:
         """Stop sampling within milliseconds, if ``stop`` also returns True then. Other threads may call this."""
@@ -107,19 +117,74 @@ class CpuRenderer:
         if not self.ready:
             return False
         film, begun = self._film, 0.0
+        if first == 0 and self._light_paths is not None and not self._light_paths.automatic:
+            self._light_paths.use(first)
         before = sample_allocation.first_pixels(film, self._settings) if first == 0 else None
         if before is not None:
-            begun, active = before.mean(), film.active.copy()
-            film.active &= before
-            done = self._take(1, stop, lambda part: report(begun * part))
-            film.active[:] = active
-            if not done:
+            begun = before.mean()
+            if not self._take_some(before, 1, stop, lambda part: report(begun * part)):
                 return False
             sample_allocation.divide(film, self._settings)
-        if not self._take(first + count, stop, lambda part: report(begun + (1.0 - begun) * part)):
+        if first == 0 and not self._try_light_paths(stop):
             return False
-        film.samples = first + count
+        at, end = first, first + count
+        while at < end:
+            to = min(self._light_paths.use(at), end) if self._light_paths is not None else end
+
+            def report_part(part: float, at: int = at, to: int = to) -> None:
+                report(begun + (1.0 - begun) * (at - first + part * (to - at)) / count)
+
+            if not self._take(to, stop, report_part):
+                return False
+            at = to
+        film.samples = end
         return True
+
+    def _try_light_paths(self, stop: Callable[[], bool]) -> bool:
+        """Keep light paths only if they pay. The film has none of the samples that tell, and begins anew with light paths.
+        Returns False if stopped before the end."""
+        light_paths, film = self._light_paths, self._film
+        if light_paths is None or not light_paths.automatic:
+            return True
+        self._light_paths = None
+        pixels = pilot_pixels(film, self._settings.samples)
+        if pixels is None:
+            return True
+        without = self._pilot(pixels, stop)
+        if without is None or not promises(without):
+            return without is not None
+        connected = self._pilot(pixels, stop, light_paths)
+        if connected is None:
+            return False
+        if pays(without, connected):
+            film.clear()
+            self._light_paths = light_paths
+        return True
+
+    def _pilot(
+        self, pixels: np.ndarray, stop: Callable[[], bool], light_paths: LightPaths | None = None
+    ) -> Pilot | None:
+        """Samples of some pixels on a film of their own, with ``light_paths`` or without; None if stopped before the end."""
+        trial = Film(self._scene, self._film.passes)
+        trial.branches[:], trial.active[:] = self._film.branches, pixels
+        self._packed.set_film(self._scene, trial)
+        done = True
+        for sample in range(PILOT_SAMPLES):
+            if light_paths is not None:
+                light_paths.use_pilot(sample)
+            done = done and self._take(sample + 1, stop, lambda part: None)
+        if light_paths is not None:
+            light_paths.rest()
+        self._packed.set_film(self._scene, self._film)
+        return Pilot.of(trial, pixels) if done else None
+
+    def _take_some(self, pixels: np.ndarray, samples: int, stop, report: Callable[[float], None]) -> bool:
+        """``_take`` for those active pixels where ``pixels`` is 1."""
+        active = self._film.active.copy()
+        self._film.active &= pixels
+        done = self._take(samples, stop, report)
+        self._film.active[:] = active
+        return done
 
     def _take(self, samples: int, stop: Callable[[], bool], report: Callable[[float], None]) -> bool:
         """Add samples to the active pixels until those whose rate is 1 have ``samples``. Returns False if stopped

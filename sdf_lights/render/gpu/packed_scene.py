@@ -66,6 +66,7 @@ SETTLED = frozenset(
         "has_media",
         "camera_in_media",
         "has_subsurface",
+        "light_paths",
         "has_strands",
         "outputs",
     }
@@ -151,6 +152,7 @@ class GpuScene:
             **media_scalars,
             "has_subsurface": int(self.deep),
             "has_strands": int(bool(self.hierarchy.strands)),
+            "light_paths": 0,
             "outputs": 0,
             **caught_scalars,
             "emission_graphs": varying,

@@ -19,6 +19,7 @@ from .camera import camera_ray, filter_offset, view_depth
 from .departure import clear_self_primitive, offset_ray_origin, spawn_ray
 from .gather import gather_lamps, gather_lights, gather_surface, gather_world, last_lamp_exit
 from .geometry import find_surface, instance_table, shading_material_table, surface_table
+from .light_paths import apart as light_paths
 from .media import apart as media
 from .media.records import inside_table
 from .next_event import light_vertex
@@ -175,7 +176,7 @@ def scatter(block, workspace):
         path.least_pdf = min(path.least_pdf, pdf)
     path.glossy_pdf = glossy_pdf
     path.kind = kind & (DIFFUSE | GLOSSY | TRANSMISSION)
-    path.in_medium, path.light_tree = 0, lights.tree_of(block, surface.instance)
+    path.in_medium, path.light_tree, path.connects = 0, lights.tree_of(block, surface.instance), 0
     return True
 
 
@@ -220,7 +221,8 @@ def start_path(block, workspace, x, y):
     path.pdf, path.least_pdf = 0.0, np.inf
     path.kind = CAMERA
     path.bounce = path.diffuse = path.glossy = path.transmission = path.volume = path.transparent = path.last = 0
-    path.event, path.in_medium, path.crossed, path.catches = AT_SURFACE, 0, 0, 0
+    path.event, path.in_medium, path.crossed, path.catches, path.connects = AT_SURFACE, 0, 0, 0, 0
+    path.left = 1.0
     path.dimension = CAMERA_SETS
     path.share, path.scattered, path.light_tree = 1.0, 0, 0
     path.kept = path.found = -1
@@ -374,6 +376,8 @@ def shade_and_scatter(block, workspace, whole):
             return GOES_ON
     two_sided, has_glossy, scattered, light_tree = path.two_sided, path.has_glossy, path.scattered, path.light_tree
     passed, last = path.transparent, path.last
+    if block.light_paths and path.connects and not light_paths.weigh(block, workspace):
+        return ENDS
     if surface.evaluable > 0 and not last:
         light_vertex(block, workspace)
     if surface.closure_count == 0 or (path.bounce >= block.max_bounces and nothing_left(block, surface)):

@@ -22,6 +22,7 @@ from ..scene import Instance, Lamp, Mesh, Primitive, Scene
 from ..settings import LampSampling
 from ..strands import margin
 from . import camera, emission_graphs, film, geometry, integrator, lamp_tree, lights, motion, rays, shading
+from .light_paths import records as light_path_records
 from .lights import kinds
 from .media import pack as media
 from .media import records as media_records
@@ -55,6 +56,7 @@ TABLES = _together(
     output_records.TABLES,
     media_records.TABLES,
     subsurface_records.TABLES,
+    light_path_records.TABLES,
     {"control": np.dtype(np.int64)},
 )
 SCALARS = [
@@ -70,6 +72,7 @@ SCALARS = [
     *film.SCALARS,
     *motion.SCALARS,
     *output_records.SCALARS,
+    *light_path_records.SCALARS,
 ]
 BLOCK = block_dtype(TABLES, SCALARS)
 

@@ -67,9 +67,11 @@ SAMPLE = np.dtype(
 # ``share`` is the fraction of the sample that the path represents, 1 until it splits, and ``index`` its index in the
 # sampling pattern. ``expected``: for a branch, an estimate of its light, from the irradiance at its hit; ``brought``:
 # its contribution to the sample, as a sum of RGB. ``event`` says where the ray ends, ``in_medium`` is 1 if a medium was
-# the last to scatter the path, and it has ``crossed`` so many surfaces that only bound media. ``catches`` is 1 once the
-# camera's path has hit a shadow catcher. ``spans`` still holds the ``kept_count`` intervals of the lamp ``kept`` along
-# the ray; −1: of none.
+# the last to scatter the path, and it has ``crossed`` so many surfaces that only bound media. ``connects`` is 1 along a
+# ray from the surface where the path split, if connections to light paths estimate the light of its next hit, too. They
+# estimate the part ``connected`` (RGB) of it. ``left`` is the part that they are expected to leave to the ray, if
+# Russian roulette has counted on that; else 1. ``catches`` is 1 once the camera's path has hit a shadow catcher.
+# ``spans`` still holds the ``kept_count`` intervals of the lamp ``kept`` along the ray; −1: of none.
 PATH = np.dtype(
     [
         ("origin", "f8", 3),
@@ -111,6 +113,9 @@ PATH = np.dtype(
         ("in_medium", "i8"),
         ("crossed", "i8"),
         ("catches", "i8"),
+        ("connects", "i8"),
+        ("connected", "f8", 3),
+        ("left", "f8"),
     ],
     align=True,
 )

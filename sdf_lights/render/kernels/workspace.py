@@ -11,6 +11,7 @@ from ...jit import block_dtype, kernel, table
 from ...replaced import replaced_on_gpu
 from . import lights
 from .lamp_tree import WORKSPACE_TABLES as LAMP_TREE_TABLES
+from .light_paths.records import WORKSPACE_TABLES as LIGHT_PATH_TABLES
 from .media.records import WORKSPACE_TABLES as MEDIA_TABLES
 from .outputs.records import WORKSPACE_TABLES as OUTPUT_TABLES
 from .path import TABLES, path_table
@@ -26,6 +27,7 @@ WORKSPACE_TABLES = {
     **SHADING_TABLES,
     **cuts.WORKSPACE_TABLES,
     **LAMP_TREE_TABLES,
+    **LIGHT_PATH_TABLES,
     **MEDIA_TABLES,
     **OUTPUT_TABLES,
 }

@@ -1,0 +1,97 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Rooms that lamps light by way of walls."""
+
+from __future__ import annotations
+
+import math
+
+import bpy
+from scenery.modelling import add, box
+
+from . import simple_scenes
+from .lamp_scenes import INTENSITY, add_lamp, show, turned
+
+SIZE = 4.0, 5.0, 2.6  # metres of a room; the camera stands at the end of −y
+THICK = 0.1  # of walls
+
+
+def _paint(name: str, colour=(0.75, 0.73, 0.70)):
+    return simple_scenes.material(name, "ShaderNodeBsdfDiffuse", colour)
+
+
+def _slab(name: str, size, at, material, turn: float = 0.0) -> None:
+    add(name, box(name, size), material, location=at, rotation=(0.0, 0.0, turn))
+
+
+def _room(size: int, extent=SIZE) -> None:
+    """A closed room with a table, a camera at one end of it."""
+    x, y, z = extent
+    simple_scenes.empty(size, (0.0, 0.2 - 0.5 * y, 1.4), (0.0, 0.5 * y, 1.2), 70.0)
+    wall, floor = _paint("Wall"), _paint("Floor", (0.45, 0.33, 0.22))
+    _slab("Floor", (x, y, THICK), (0.0, 0.0, -0.5 * THICK), floor)
+    _slab("Ceiling", (x, y, THICK), (0.0, 0.0, z + 0.5 * THICK), wall)
+    for side in (-1.0, 1.0):
+        _slab("Side", (THICK, y, z), (side * 0.5 * (x + THICK), 0.0, 0.5 * z), wall)
+        _slab("End", (x, THICK, z), (0.0, side * 0.5 * (y + THICK), 0.5 * z), wall)
+    _slab("Table", (0.9, 0.6, 0.05), (-0.6, 0.6, 0.7), _paint("Wood", (0.5, 0.3, 0.15)), 20.0)
+    _slab("Foot", (0.1, 0.1, 0.7), (-0.6, 0.6, 0.35), _paint("Iron", (0.2, 0.2, 0.2)), 20.0)
+
+
+def _cove(size: int) -> None:
+    _room(size)
+    white = _paint("Plaster", (0.8, 0.8, 0.8))
+    _slab("Ledge", (4.0, 0.25, 0.03), (0.0, 2.375, 2.2), white)
+    _slab("Lip", (4.0, 0.03, 0.12), (0.0, 2.25, 2.26), white)
+    add_lamp("Tube", "box(1.8, 0.015, 0.015)", None, turned(at=(0.0, 2.37, 2.25)), INTENSITY / 0.00324)
+
+
+def _shade(size: int) -> None:
+    _room(size)
+    cloth = _paint("Cloth", (0.8, 0.6, 0.4))
+    for number in range(12):
+        angle = 2.0 * math.pi * number / 12
+        at = 0.2 * math.cos(angle), 1.0 + 0.2 * math.sin(angle), 1.5
+        _slab("Shade", (0.01, 0.108, 0.3), at, cloth, math.degrees(angle))
+    add_lamp("Bulb", "sphere(0.05)", None, turned(at=(0.0, 1.0, 1.5)), INTENSITY / 0.000524)
+
+
+def _sign(size: int) -> None:
+    _room(size)
+    for row in range(20):
+        for column in range(10):
+            at = -1.8 + 0.4 * column + 0.2 * (row % 2), 2.48, 0.065 + 0.13 * row
+            _slab("Brick", (0.38, 0.04, 0.115), at, _paint(f"Brick {row % 3}", (0.35 + 0.05 * (row % 3), 0.12, 0.08)))
+    for number, turn in enumerate((0.0, 60.0, -60.0, 90.0, 30.0)):
+        matrix = turned(y=turn, at=(-1.0 + 0.5 * number, 2.42, 1.5))
+        add_lamp(f"Stroke {number}", "capsule(0.2, 0.012)", None, matrix, INTENSITY / 0.0009, (1.0, 0.2, 0.4))
+
+
+def _door(size: int) -> None:
+    _room(size)
+    wall = _paint("Partition")
+    _slab("Left", (2.6, 0.08, 2.6), (-0.7, 1.5, 1.3), wall)
+    _slab("Right", (0.5, 0.08, 2.6), (1.75, 1.5, 1.3), wall)
+    _slab("Above", (0.9, 0.08, 0.6), (1.05, 1.5, 2.3), wall)
+    _slab("Door", (0.9, 0.04, 2.0), (0.82, 1.87, 1.0), _paint("Door", (0.6, 0.6, 0.65)), 120.0)
+    add_lamp("Lamp", "torus(0.15, 0.03)", None, turned(at=(-1.2, 2.0, 1.8)), INTENSITY / 0.00266)
+
+
+def _corridor(size: int) -> None:
+    _room(size, (2.2, 16.0, 2.6))
+    metal = _paint("Baffle", (0.7, 0.7, 0.7))
+    for number in range(20):
+        side = -1.0 if number % 2 else 1.0
+        y = -6.5 + 1.45 * (number // 2)
+        _slab("Baffle", (0.02, 0.3, 0.3), (side * 0.9, y, 2.0), metal)
+        add_lamp(f"Lamp {number}", "sphere(0.04)", None, turned(at=(side * 1.0, y, 2.0)), 0.2 * INTENSITY / 0.000268)
+
+
+ROOMS = dict(cove=_cove, shade=_shade, sign=_sign, door=_door, corridor=_corridor)
+
+
+def build(name: str, size: int) -> bpy.types.Scene:
+    """A room of that name, of ``size`` pixels to each side."""
+    ROOMS[name](size)
+    show()
+    return bpy.context.scene

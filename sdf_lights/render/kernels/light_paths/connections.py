@@ -1,0 +1,205 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Connections from a surface to vertices of light paths, and what they leave to paths.
+
+Light that a place y scatters diffusely to a point x, which scatters it diffusely, is estimated twice. Strategy 1 connects x with vertices
+of light paths; all earlier bounces are in these. Strategy 2 is the path, whose ray from x meets y. Their weights w₁ and
+w₂ = 1 − w₁ are functions of x and y alone, so any are right:
+
+    w₁ = min(1, α/β),   α = n₁ p(y|x),   β = RELIEF · n₂ · cos_x cos_y / (π d²).
+
+p is an estimate of the density of strategy 1 at y, and β that of strategy 2. A connection is worth as much as RELIEF rays, which
+need light rays and more bounces at y. As w₁ falls with d², no connection is bright because it is short (Kollig and Keller 2004,
+"Illumination in the presence of weak singularities").
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ....jit import kernel
+from ....vec import average, dot, length, madd, mul, negate, normalize, put, scale, sub, transform_normal, vec
+from .. import lights
+from ..departure import spawn_ray
+from ..geometry import hit_material, instance_at, surface_at
+from ..path import contribute, path_table
+from ..rays import hit_instance, hit_normal, ray_table
+from ..samplers import get_1d, get_2d
+from ..shading import evaluate, shade
+from ..shading.records import DIFFUSE, GLOSSY, MICROFACET, TRANSMISSION, closure_table, surface_table
+from ..visibility import shadow_ray, transmittance
+from ..workspace import secondary_table
+from . import tree
+from .records import CONNECTS, ONLY_DIFFUSE, choice_table, material_table, node_table, vertex_table
+
+CONNECTIONS = 1  # for each ray that scatters at x
+RELIEF = 0.5
+LEAST_SURVIVAL = 0.02
+CONNECTION_SETS, KIND_SETS, WEIGH_SETS = 1 << 25, 1 << 26, 1 << 27  # of random numbers, beside those of path.py
+
+
+@kernel
+def weight(block, workspace, x, n, y, normal, wi, distance):
+    """w₁ for the light that y, with the geometric ``normal`` on the side of x, scatters to x with the shading normal n."""
+    cosine_x, cosine_y = dot(n, wi), -dot(normal, wi)
+    if cosine_x <= 0.0 or cosine_y <= 0.0:
+        return 0.0
+    alpha = CONNECTIONS * tree.density(block, workspace, x, n, y, normal)
+    return min(alpha * math.pi * distance * distance / (RELIEF * cosine_x * cosine_y), 1.0)
+
+
+@kernel
+def connect(block, workspace, _):
+    """Connect the surface of the workspace with ``CONNECTIONS`` vertices, for one branch of the path there."""
+    path, surface = path_table(workspace)[0], surface_table(workspace)[0]
+    if not choice_table(workspace)[0].total > 0.0:
+        return 0.0
+    x, n = vec(surface.position), vec(surface.n)
+    for number in range(CONNECTIONS):
+        u, v = get_2d(path.index * CONNECTIONS + number, path.seed, path.dimension + CONNECTION_SETS)
+        at, probability = tree.draw(block, workspace, x, n, u)
+        node = node_table(block)[at]
+        if probability > 0.0 and node.count > 0:
+            index = node.first + min(int(v * node.count), node.count - 1)
+            kinds = get_2d(path.index * CONNECTIONS + number, path.seed, path.dimension + KIND_SETS)
+            factor = node.count / (probability * CONNECTIONS)
+            _connect_with(block, workspace, x, n, vertex_table(block)[index], factor, kinds)
+    return 0.0
+
+
+@kernel
+def _reaches(block, path, vertex, here, there):
+    """Whether a path from the camera would have come from here to the light beyond the vertex, by its limits: ``here`` and
+    ``there`` are 1 where it would have counted the bounce at either end as glossy, 0 as diffuse."""
+    glossy, diffuse = here, 1 - here
+    if vertex.scatters > 1:  # how light rays are scattered does not count
+        glossy, diffuse = glossy + there, diffuse + 1 - there
+    return (
+        path.diffuse + vertex.diffuse + diffuse <= block.diffuse_bounces
+        and path.glossy + vertex.glossy + glossy <= block.glossy_bounces
+        and path.transmission + vertex.transmission <= block.transmission_bounces
+    )
+
+
+@kernel
+def _connect_with(block, workspace, x, n, vertex, factor, kinds):
+    """Add what one vertex gives, times ``factor``. ``kinds``: two random numbers."""
+    path = path_table(workspace)[0]
+    if path.bounce + vertex.scatters > block.max_bounces:
+        return
+    y = vec(vertex.position)
+    way = sub(y, x)
+    distance = length(way)
+    if distance <= 0.0:
+        return
+    wi = scale(way, 1.0 / distance)
+    normal = vec(vertex.normal)
+    cosine = -dot(normal, wi)
+    part = weight(block, workspace, x, n, y, normal, wi, distance)
+    if part <= 0.0:
+        return
+    value, density, glossy_pdf = evaluate(block, workspace, wi, DIFFUSE)
+    if average(value) <= 0.0:
+        return
+    secondary = secondary_table(workspace)[0]
+    footprint = distance * block.camera_pixel_angle + block.camera_pixel_width
+    surface_at(
+        block,
+        surface_table(secondary)[0],
+        vertex.instance,
+        vertex.primitive,
+        vertex.u,
+        vertex.v,
+        negate(wi),
+        DIFFUSE,
+        footprint,
+    )
+    shade(block, secondary)
+    scattered, density_there, glossy_there = evaluate(block, secondary, vec(vertex.wi), DIFFUSE)
+    value = mul(mul(value, scattered), vec(vertex.flux))
+    if average(value) <= 0.0:
+        return
+    u, v = kinds
+    if not _reaches(block, path, vertex, int(u * density < glossy_pdf), int(v * density_there < glossy_there)):
+        return
+    start = spawn_ray(workspace, surface_table(workspace)[0], wi)
+    direction, t_max = shadow_ray(x, start, wi, distance)
+    passed = path.transparent
+    if block.transparent_shadows:
+        path.transparent += vertex.transparent
+        if path.transparent > block.transparent_bounces:
+            path.transparent = passed
+            return
+    value = mul(value, transmittance(block, workspace, start, direction, t_max, lights.blockers(block, vertex.emitter)))
+    path.transparent = passed
+    # The flux through the surface is its irradiance by area.
+    geometry = cosine / (distance * distance * abs(dot(vec(vertex.normal), vec(vertex.wi))))
+    contribute(block, workspace, value, part * factor * geometry, vertex.emitter, path.bounce + 1 + vertex.scatters)
+
+
+@kernel
+def share(block, workspace, _):
+    """Note what part of the path's light its surface scatters diffusely, along the ray that goes on: connections look
+    for that, too."""
+    path = path_table(workspace)[0]
+    wi = vec(path.direction)
+    diffuse, _, _ = evaluate(block, workspace, wi, DIFFUSE)
+    total, _, _ = evaluate(block, workspace, wi, DIFFUSE | GLOSSY | TRANSMISSION)
+    for axis in range(3):
+        path.connected[axis] = diffuse[axis] / total[axis] if total[axis] > 0.0 else 0.0
+    return 0.0
+
+
+@kernel
+def foresee(block, workspace, _):
+    """The part of the light from where the path's ray has met a surface that connections leave to it, as far as known before
+    that is shaded."""
+    path, ray = path_table(workspace)[0], ray_table(workspace)[0]
+    instance = instance_at(block, hit_instance(ray))
+    if material_table(block)[hit_material(instance, block, np.int64(ray.primitive))] & ONLY_DIFFUSE == 0:
+        return 1.0
+    x, wi = vec(path.origin), vec(path.direction)
+    normal = hit_normal(ray)
+    normal = normalize(normal if instance.baked else transform_normal(instance.inverse, normal))
+    if dot(normal, wi) > 0.0:
+        normal = negate(normal)
+    y = madd(x, path.length, wi)
+    return 1.0 - average(vec(path.connected)) * weight(
+        block, workspace, x, vec(path.normal), y, normal, wi, path.length
+    )
+
+
+@kernel
+def weigh(block, workspace, _):
+    """Leave to connections what they find of the light that the surface of the workspace scatters. 0 if the path ends.
+
+    The diffuse closures count w₂. The path ends with the chance that this leaves over. Closures are drawn as often as before:
+    limits of bounces depend on what is drawn.
+    """
+    if material_table(block)[surface_table(workspace)[0].material] & CONNECTS == 0:
+        return 1.0
+    path, surface, closures = path_table(workspace)[0], surface_table(workspace)[0], closure_table(workspace)
+    x, y = vec(path.origin), vec(surface.position)
+    way = sub(y, x)
+    distance = length(way)
+    if distance <= 0.0:
+        return 1.0
+    part = weight(block, workspace, x, vec(path.normal), y, vec(surface.ng), scale(way, 1.0 / distance), distance)
+    if part <= 0.0:
+        return 1.0
+    rest = (1.0 - part * path.connected[0], 1.0 - part * path.connected[1], 1.0 - part * path.connected[2])
+    total = 0.0
+    for index in range(surface.closure_count):
+        closure = closures[index]
+        if closure.kind < MICROFACET and closure.singular == 0:
+            put(closure.weight, mul(vec(closure.weight), rest))
+            total += closure.pick * average(rest)
+        else:
+            total += closure.pick
+    survival = min(max(total / path.left, LEAST_SURVIVAL), 1.0)
+    if get_1d(path.index, path.seed, path.dimension + WEIGH_SETS) >= survival:
+        return 0.0
+    put(path.throughput, scale(vec(path.throughput), 1.0 / survival))
+    return 1.0

@@ -1,0 +1,77 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Records of light paths: their vertices, and the tree that chooses among these."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ....jit import table
+
+# Where a light path has met a surface that scatters some light diffusely. ``wi`` is the way back to where the light came
+# from, ``normal`` the geometric normal on that side, and ``flux`` the power (RGB, W) that arrives.
+VERTEX = np.dtype(
+    [
+        ("position", "f8", 3),
+        ("normal", "f8", 3),
+        ("wi", "f8", 3),
+        ("flux", "f8", 3),
+        ("importance", "f8"),  # estimate of the power that leaves
+        ("u", "f8"),
+        ("v", "f8"),
+        ("instance", "i4"),
+        ("primitive", "i4"),
+        ("emitter", "i4"),
+        ("scatters", "i4"),  # how often the light will have been scattered once it leaves
+        ("diffuse", "i4"),  # bounces of each kind that a path from the camera would have counted beyond this surface
+        ("glossy", "i4"),
+        ("transmission", "i4"),
+        (
+            "transparent",
+            "i4",
+        ),  # transparent surfaces on the way, and 1 where none of them is before the first scattering
+    ],
+    align=True,
+)
+
+# The two children of a node are neighbours. Axes 0 to 2 are those of positions, 3 to 5 those of normals.
+NODE = np.dtype(
+    [
+        ("centroid", "f8", 3),
+        ("normal", "f8", 3),  # mean of the normals: shorter than 1 where they differ
+        ("flux", "f8"),
+        ("spread", "f8"),  # root of the mean square distance from the centroid
+        ("radius", "f8"),  # of a ball around the centroid that holds all vertices
+        ("area", "f8"),  # m², of a rectangle with the same covariance
+        ("split", "f8"),
+        ("axis", "i8"),  # −1: a leaf
+        ("child", "i8"),  # the first of two
+        ("top", "i8"),  # place among the nodes that a point chooses among at first; −1: none
+        ("first", "i8"),  # of the vertices of the pass
+        ("count", "i8"),
+    ],
+    align=True,
+)
+
+MOST_TOPS = 32
+# Of a material: connections find light that it scatters diffusely, and it scatters no other light.
+CONNECTS, ONLY_DIFFUSE = 1, 2
+# What a point expects of each top node.
+CHOICE = np.dtype([("total", "f8"), ("count", "i8"), ("weight", "f8", MOST_TOPS)], align=True)
+
+TABLES = {
+    "light_path_nodes": NODE,
+    "light_path_tops": np.dtype(np.int64),
+    "light_path_vertices": VERTEX,
+    "light_path_materials": np.dtype(np.int64),  # CONNECTS, ONLY_DIFFUSE
+    "light_path_code": np.dtype(np.int64),
+}
+SCALARS = [("light_paths", np.int64)]  # 1: strategy and tables are there
+WORKSPACE_TABLES = {"light_path_choice": CHOICE}
+WORKSPACE_COUNTS = {"light_path_choice": 1}
+
+node_table = table("light_path_nodes", NODE)
+top_table = table("light_path_tops", np.int64)
+material_table = table("light_path_materials", np.int64)
+vertex_table = table("light_path_vertices", VERTEX)
+choice_table = table("light_path_choice", CHOICE)

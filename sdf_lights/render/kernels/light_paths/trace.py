@@ -1,0 +1,259 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Light paths: from points of lamps on, by emission, with a vertex wherever a surface scatters some light diffusely.
+
+A path carries flux. A surface scatters it by the BSDF that a path from the camera would meet, so a surface is shaded once more
+for the direction that was drawn, with the light where that came from (Veach 1997, section 5.3: adjoint BSDFs). With E = f · |cos| of
+the way back,
+
+    flux' = flux · E(ω', ω) |ng · ω'| / (|ng · ω| p(ω')).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from .... import emitter as lamps
+from ....emitter.lamps import lamps as lamp_table
+from ....emitter.sampling.cut_points import uniform_intensity
+from ....jit import kernel
+from ....vec import ZERO, add, average, dot, largest, length, madd, mul, negate, put, scale, sub, vec
+from ..camera import camera_ray
+from ..departure import clear_self_primitive, offset_ray_origin, spawn_ray
+from ..geometry import find_surface, instance_table, surface_at, surface_table
+from ..rays import SHADOW_OPAQUE, beyond, hit_instance, intersect, occluded, ray_table, start_anew
+from ..samplers import get_2d, get_3d, get_4d, pixel_seed
+from ..shading import evaluate, sample, shade
+from ..shading.microfacet import reflectance
+from ..shading.records import (
+    DIFFUSE,
+    GLOSSY,
+    MICROFACET,
+    SINGULAR,
+    TRANSMISSION,
+    TRANSPARENT,
+    closure_table,
+)
+from ..visibility import shadow_ray
+from ..workspace import secondary_table
+from .records import CONNECTS, material_table
+
+ANY = DIFFUSE | GLOSSY | TRANSMISSION
+SAME_DIRECTION = 1.0 - 1e-9  # cosine of the angle between what a mirror gives and what it should
+LOOKS, UNSEEN = 4, 0.02  # rays from a vertex to pilots; what it counts where none of these see it
+NEARLY = 0.999  # of the way to a pilot, whose surface is not in the way
+FIRST_SETS, BOUNCE_SETS = 2, 2  # sets of random numbers of a path, and of each surface that it meets
+PLACE = 1 << 20  # of a pixel that no picture has, whose numbers light paths have
+
+
+@kernel
+def _start(block, index, total, seed):
+    """Emitter, start, direction and flux (RGB, W) of a light path; the emitter is −1 if there is no light."""
+    u = get_4d(index, seed, 0)
+    sum_of_powers = 0.0
+    for lamp in range(block.lamp_count):
+        sum_of_powers += lamp_table(block)[lamp].power
+    left, lamp = u[0] * sum_of_powers, 0
+    while lamp < block.lamp_count - 1 and left >= lamp_table(block)[lamp].power:
+        left -= lamp_table(block)[lamp].power
+        lamp += 1
+    row = lamp_table(block)[lamp]
+    if not row.power > 0.0:
+        return -1, ZERO, ZERO, ZERO
+    offset = lamps.way_inside(block, lamp, vec(row.center), u[1], u[2], u[3])
+    v = get_2d(index, seed, 1)
+    z, around = 1.0 - 2.0 * v[0], 2.0 * math.pi * v[1]
+    s = math.sqrt(max(1.0 - z * z, 0.0))
+    flux = scale(uniform_intensity(block, lamp, offset), 4.0 * math.pi * sum_of_powers / (row.power * total))
+    return lamp, add(vec(row.center), offset), (s * math.cos(around), s * math.sin(around), z), flux
+
+
+@kernel
+def _mirrored(workspace, wi):
+    """What singular closures scatter from wi to the surface's wo, the chance with which they are drawn, and the ratio of
+    the solid angle at wo to that at wi, by the cosines there."""
+    surface, closures = surface_table(workspace)[0], closure_table(workspace)
+    wo, total, chance, ratio = vec(surface.wo), ZERO, 0.0, 1.0
+    for index in range(surface.closure_count):
+        closure = closures[index]
+        if closure.kind != MICROFACET or closure.singular == 0 and closure.ior != 1.0:
+            continue
+        n = vec(closure.normal)
+        cosine = dot(n, wo)
+        if cosine <= 0.0:
+            continue
+        r, t, cosine_t = reflectance(closure, cosine)
+        all_of_it = average(add(r, t))
+        if all_of_it <= 0.0:
+            continue
+        back = sub(scale(n, 2.0 * cosine), wo)
+        if dot(back, wi) > SAME_DIRECTION:
+            total = add(total, mul(r, vec(closure.weight)))
+            chance += closure.pick * average(r) / all_of_it
+            continue
+        eta = 1.0 / closure.ior
+        through = negate(wo) if closure.ior == 1.0 else sub(scale(n, eta * cosine - cosine_t), scale(wo, eta))
+        if dot(through, wi) > SAME_DIRECTION:
+            total = add(total, mul(t, vec(closure.weight)))
+            chance += closure.pick * average(t) / all_of_it
+            ratio = abs(dot(n, wi)) * closure.ior * closure.ior / cosine
+    return total, chance, ratio
+
+
+@kernel
+def _scattered(block, workspace, wi, kind, pdf):
+    """Factor of the flux that came from wi and left along the wo of the workspace's surface, which was drawn with ``pdf``;
+    and the chance that a path from the camera, which scatters from wo to wi, counts this as glossy, not as diffuse."""
+    surface = surface_table(workspace)[0]
+    if kind & TRANSPARENT:
+        return scale(vec(surface.transparency), 1.0 / pdf), 0.0
+    ng = vec(surface.ng)
+    turn = abs(dot(ng, vec(surface.wo))) / (abs(dot(ng, wi)) * pdf)
+    if kind & SINGULAR:
+        value, _, ratio = _mirrored(workspace, wi)
+        return scale(value, turn * ratio), 1.0
+    value, density, glossy_pdf = evaluate(block, workspace, wi, ANY)
+    return scale(value, turn), glossy_pdf / density if density > 0.0 else 0.0
+
+
+@kernel
+def _diffuse(block, workspace):
+    """Whether the surface of the workspace scatters some light diffusely, and connections find all of that."""
+    if material_table(block)[surface_table(workspace)[0].material] & CONNECTS == 0:
+        return False
+    closures = closure_table(workspace)
+    for index in range(surface_table(workspace)[0].closure_count):
+        if closures[index].kind < MICROFACET and closures[index].singular == 0:
+            return True
+    return False
+
+
+@kernel
+def _trace(block, workspace, index, total, seed, raw, first, width):
+    """Follow one light path, and write its vertices into ``raw`` from ``first`` on, ``width`` at most; returns how many."""
+    surface, secondary = surface_table(workspace)[0], secondary_table(workspace)[0]
+    emitter, origin, direction, flux = _start(block, index, total, seed)
+    if emitter < 0:
+        return 0
+    clear_self_primitive(ray_table(workspace)[0])
+    count, scatters, diffuse, glossy, transmission, transparent = 0, 1, 0, 0, 0, 0
+    t_min, pdf, kind, dimension, first_ones = 0.0, 0.0, 0, FIRST_SETS, 0
+    instance, primitive, u, v, wi, waits = np.int64(0), np.int64(0), 0.0, 0.0, ZERO, False
+    while True:
+        start_anew(block, workspace)
+        if not intersect(block, workspace, origin, direction, t_min, np.inf, DIFFUSE):
+            return count
+        ray = ray_table(workspace)[0]
+        distance = float(ray.t_far)
+        if waits:
+            footprint = distance * block.camera_pixel_angle + block.camera_pixel_width
+            surface_at(block, surface_table(secondary)[0], instance, primitive, u, v, direction, DIFFUSE, footprint)
+            shade(block, secondary)
+            before = largest(flux)
+            factor, gloss = _scattered(block, secondary, wi, kind, pdf)
+            flux = mul(flux, factor)
+            u = get_2d(index, seed, dimension + 1)
+            survival = min(largest(flux) / before, 1.0)
+            if not survival > 0.0 or u[0] >= survival:
+                return count
+            flux = scale(flux, 1.0 / survival)
+            # A path from the camera does not count how its light rays are scattered.
+            if scatters > 2 and not kind & TRANSPARENT:
+                through = dot(vec(surface_table(secondary)[0].ng), wi) < 0.0
+                transmission += int(through)
+                glossy += int(not through and u[1] < gloss)
+                diffuse += int(not through and u[1] >= gloss)
+            dimension += BOUNCE_SETS
+        instance, primitive, u, v = hit_instance(ray), np.int64(ray.primitive), float(ray.u), float(ray.v)
+        wi = negate(direction)
+        if instance_table(block)[instance].holdout:
+            return count
+        find_surface(block, workspace, wi, DIFFUSE, 0.0)
+        shade(block, workspace)
+        position, ng = vec(surface.position), vec(surface.ng)
+        albedo = average(mul(vec(surface.diffuse_albedo), flux))
+        if albedo > 0.0 and _diffuse(block, workspace):
+            vertex = raw[first + count]
+            put(vertex.position, position)
+            put(vertex.normal, ng)
+            put(vertex.wi, wi)
+            put(vertex.flux, flux)
+            vertex.importance, vertex.u, vertex.v = albedo, u, v
+            vertex.instance, vertex.primitive, vertex.emitter = instance, primitive, emitter
+            vertex.scatters, vertex.diffuse, vertex.glossy = scatters, diffuse, glossy
+            vertex.transmission = transmission
+            # A path from the camera scatters nowhere behind its last transparent surface; light rays pass one more.
+            vertex.transparent = transparent + int((transparent if scatters == 1 else first_ones) == 0)
+            count += 1
+            if count == width:
+                return count
+        numbers = get_3d(index, seed, dimension)
+        direction, _, pdf, _, kind = sample(block, workspace, numbers[0], numbers[1], numbers[2])
+        if pdf <= 0.0:
+            return count
+        if kind & TRANSPARENT:
+            transparent += 1
+            if transparent > block.transparent_bounces:
+                return count
+            t_min = beyond(distance)
+        else:
+            if kind & SINGULAR:
+                _, pdf, _ = _mirrored(workspace, direction)
+                if pdf <= 0.0:
+                    return count
+            if scatters == 1:
+                first_ones = transparent
+            scatters += 1
+            if scatters > block.max_bounces:
+                return count
+            origin, t_min = spawn_ray(workspace, surface, direction), 0.0
+        waits = True
+
+
+@kernel
+def trace_light_paths(block, workspace, first, last, total, number, width, raw, lengths):
+    """Trace the light paths ``first`` to before ``last`` of ``total``, of pass ``number``, into ``width`` rows of ``raw`` each."""
+    scene, scratch = block[0], workspace[0]
+    seed = pixel_seed(PLACE + number, PLACE, scene.seed)
+    for index in range(first, last):
+        lengths[index] = _trace(scene, scratch, index, total, seed, raw, index * width, width)
+
+
+@kernel
+def find_pilots(block, workspace, width, height, places):
+    """Fill ``places`` (count, 3) with what rays of the camera through even points of the picture meet; returns how many."""
+    scene, scratch, found = block[0], workspace[0], 0
+    clear_self_primitive(ray_table(scratch)[0])
+    for index in range(len(places)):
+        u = get_2d(index, pixel_seed(PLACE, PLACE, scene.seed), 0)
+        origin, direction, t_min, t_max = camera_ray(scene, u[0] * width, u[1] * height, 0.5, 0.5)
+        start_anew(scene, scratch)
+        if t_max > t_min and intersect(scene, scratch, origin, direction, t_min, t_max, DIFFUSE):
+            place = madd(origin, float(ray_table(scratch)[0].t_far), direction)
+            for axis in range(3):
+                places[found, axis] = place[axis]
+            found += 1
+    return found
+
+
+@kernel
+def dim_unseen(block, workspace, vertices, pilots):
+    """Lower the importance of vertices that none or few of the ``pilots`` (count, 3) see: choices count on what is left."""
+    scene, scratch = block[0], workspace[0]
+    clear_self_primitive(ray_table(scratch)[0])
+    for index in range(len(vertices)):
+        vertex = vertices[index]
+        normal, place, seen = vec(vertex.normal), vec(vertex.position), 0
+        for look in range(LOOKS):
+            at = (index * LOOKS + look) % len(pilots)
+            way = sub((pilots[at, 0], pilots[at, 1], pilots[at, 2]), place)
+            distance = length(way)
+            wi = scale(way, 1.0 / distance) if distance > 0.0 else normal
+            if dot(normal, wi) > 0.0:
+                start = offset_ray_origin(place, normal, wi)
+                direction, t_max = shadow_ray(place, start, wi, distance * NEARLY)
+                start_anew(scene, scratch)
+                seen += int(not occluded(scene, scratch, start, direction, 0.0, t_max, SHADOW_OPAQUE))
+        vertex.importance *= max(seen / LOOKS, UNSEEN)

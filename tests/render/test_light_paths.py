@@ -1,0 +1,234 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Light paths: the picture's mean is the same, its noise less; threads change nothing; a scene that cannot have them, or
+does not gain, keeps its picture to the last bit. ``test_agreement`` compares the scene "cove" with the reference."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from sdf_lights import jit
+from sdf_lights.render import session
+from sdf_lights.render.cpu import light_path_pilot as pilot
+from sdf_lights.render.film import Film
+from sdf_lights.render.lights.point import PointLight
+from sdf_lights.render.scene import Ray, World
+from sdf_lights.render.settings import LampPaths
+from support.blocks import means
+from support.scenes import add, camera, cove, material, torus_room, translation
+
+pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installed")
+
+SIZE = 32, 24
+WITHOUT, AUTOMATIC, ALWAYS = LampPaths.NEVER, LampPaths.AUTOMATIC, LampPaths.ALWAYS
+
+
+def picture(lamp_paths: LampPaths, build=cove, size=SIZE, change=lambda scene: None, **changes) -> np.ndarray:
+    """(height, width, RGB)."""
+    scene = build(*size)
+    values = dict(samples=8, threads=2, lamp_paths=lamp_paths) | changes
+    scene.settings = dataclasses.replace(scene.settings, **values)
+    change(scene)
+    return session.render(scene, ()).read("Combined")[..., :3].astype(float)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        dict(),
+        dict(max_bounces=12, diffuse_bounces=2, glossy_bounces=1, transmission_bounces=1, transparent_bounces=1),
+    ],
+    ids=["plain", "tight limits"],
+)
+def test_light_paths_change_the_noise_alone(changes):
+    """Means of the whole and of blocks over 24 renders each agree within 4.5 standard errors: by chance, one set of seeds in a hundred would not."""
+    found = [
+        np.array([picture(each, seed=seed, samples=16, **changes) for seed in range(24)]) for each in (WITHOUT, ALWAYS)
+    ]
+    for one, other in zip(*(means(each) for each in found)):
+        error = np.sqrt((one.var(axis=0, ddof=1) + other.var(axis=0, ddof=1)) / len(one))
+        assert np.all(np.abs(other.mean(axis=0) - one.mean(axis=0)) < 4.5 * error + 1e-9)
+    noise = [np.median(each.var(axis=0, ddof=1)) for each in found]
+    assert noise[1] < 0.4 * noise[0]
+
+
+@pytest.mark.parametrize("lamp_paths", [ALWAYS, AUTOMATIC])
+def test_the_picture_does_not_depend_on_threads(lamp_paths):
+    one, three = (picture(lamp_paths, threads=threads, size=(48, 36)) for threads in (1, 3))
+    assert np.array_equal(one, three)
+
+
+def test_samples_do_not_depend_on_how_they_are_asked_for():
+    """Sets of light paths belong to the numbers of samples."""
+    from sdf_lights.render.cpu.renderer import CpuRenderer
+
+    found = []
+    for counts in ((1, 1, 6), (1, 2, 3, 2)):
+        scene = cove(*SIZE)
+        scene.settings = dataclasses.replace(scene.settings, indirect_paths=4, guided_samples=False)
+        film = Film(scene)
+        renderer = CpuRenderer(scene, film, lambda: False, lambda text: None)
+        for count in counts:
+            assert renderer.sample(film.samples, count, lambda: False, lambda part: None)
+        found.append(film.read("Combined"))
+    assert np.array_equal(*found)
+
+
+def _only_walls(scene) -> None:
+    """Only the room and the shelf, from near by: nothing but scattered light is noisy."""
+    scene.instances = scene.instances[:6]
+    scene.camera = camera((0.0, -3.0, 1.2), (0.0, 0.0, 1.0), scene.width, scene.height)
+    scene.lamps[0] = dataclasses.replace(scene.lamps[0], visibility=Ray.ALL & ~Ray.CAMERA)
+
+
+def test_where_they_pay_they_are_used():
+    """A room that a hidden lamp lights. The choice is no other sampling than the setting that is always on."""
+    size = 64, 48
+    without, automatic, always = (
+        picture(each, size=size, change=_only_walls, samples=16) for each in (WITHOUT, AUTOMATIC, ALWAYS)
+    )
+    assert not np.array_equal(without, automatic)
+    assert _roughness(automatic) < 0.8 * _roughness(without)
+    assert automatic.mean() == pytest.approx(always.mean(), rel=0.02)
+
+
+def _roughness(picture: np.ndarray) -> float:
+    """The median square of differences of neighbours."""
+    return float(np.median(np.diff(picture.sum(axis=2), axis=1) ** 2))
+
+
+def _outside(scene) -> None:
+    """A floor and a wall under a lamp that shines on them: hardly any light is scattered twice."""
+    scene.instances = scene.instances[:1] + scene.instances[2:3]
+
+
+def test_where_they_do_not_pay_no_bit_changes():
+    found = (picture(each, torus_room, (48, 36), _outside, samples=16) for each in (WITHOUT, AUTOMATIC))
+    assert np.array_equal(*found)
+
+
+def test_a_single_sample_is_not_measured():
+    assert np.array_equal(*(picture(each, samples=1) for each in (WITHOUT, AUTOMATIC)))
+
+
+def _lamp(**changes):
+    def change(scene) -> None:
+        scene.lamps[0] = dataclasses.replace(scene.lamps[0], **changes)
+
+    return change
+
+
+def _object(**changes):
+    def change(scene) -> None:
+        scene.instances[5] = dataclasses.replace(scene.instances[5], **changes)
+
+    return change
+
+
+def _light(scene) -> None:
+    scene.lights.append(PointLight("point", translation(0.0, 0.0, 1.0), 5.0))
+
+
+def _world(scene) -> None:
+    scene.world = World((0.1, 0.1, 0.1), 1.0)
+
+
+def _emission(scene) -> None:
+    add(scene, 1, translation(0.0, 0.0, 0.2), material("emission", "glow", color=(1.0, 1.0, 1.0), strength=1.0))
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        _lamp(visibility=Ray.ALL & ~Ray.DIFFUSE),
+        _lamp(visibility=Ray.ALL & ~Ray.SHADOW),
+        _lamp(receivers=2),
+        _lamp(blockers=2),
+        _lamp(max_bounces=1),
+        _object(visibility=Ray.ALL & ~Ray.GLOSSY),
+        _object(visibility=Ray.ALL & ~Ray.SHADOW),
+        _light,
+        _world,
+        _emission,
+    ],
+    ids=[
+        "unseen",
+        "no shadow rays",
+        "receivers",
+        "blockers",
+        "bounces",
+        "object",
+        "no shadow",
+        "light",
+        "world",
+        "mesh",
+    ],
+)
+def test_what_they_cannot_follow_leaves_them_off(change):
+    assert np.array_equal(*(picture(each, change=change, samples=2) for each in (WITHOUT, ALWAYS)))
+
+
+@pytest.mark.parametrize("change", [_lamp(visibility=Ray.ALL & ~Ray.CAMERA), _object(visibility=Ray.CAMERA)])
+def test_what_the_camera_alone_does_or_does_not_see_leaves_them_on(change):
+    found = [np.array([picture(each, change=change, seed=seed) for seed in range(12)]) for each in (WITHOUT, ALWAYS)]
+    one, other = (each.mean(axis=(1, 2, 3)) for each in found)
+    assert not np.array_equal(one, other)
+    assert abs(one.mean() - other.mean()) < 4.0 * np.sqrt((one.var(ddof=1) + other.var(ddof=1)) / 12)
+
+
+def test_translucent_surfaces_are_left_to_paths():
+    """A translucent sheet under the lamp carries most of the light."""
+
+    def change(scene) -> None:
+        scene.materials[scene.instances[5].materials[0]] = material("translucent", "sheet", color=(0.8, 0.8, 0.8))
+
+    found = [np.array([picture(each, change=change, seed=seed) for seed in range(16)]) for each in (WITHOUT, ALWAYS)]
+    one, other = (each.mean(axis=(1, 2, 3)) for each in found)
+    assert not np.array_equal(one, other)
+    assert abs(one.mean() - other.mean()) < 4.0 * np.sqrt((one.var(ddof=1) + other.var(ddof=1)) / 16)
+
+
+def _pilot(whole: float, before: float = 0.0, time: float = 1.0) -> pilot.Pilot:
+    """Of samples with these variances."""
+    noise = np.random.default_rng(1).chisquare(1, 4000)
+    return pilot.Pilot(np.full(4000, 2.0), whole * noise, before * noise, time)
+
+
+def test_gain_is_error_times_time():
+    assert pilot.gain(_pilot(4.0), _pilot(1.0)) == pytest.approx(4.0)
+    assert pilot.gain(_pilot(4.0), _pilot(4.0, time=2.0)) == pytest.approx(0.5)
+    assert pilot.gain(_pilot(4.0), _pilot(0.0)) == 0.0  # black with light paths: nothing is known
+
+
+def test_a_few_bright_pixels_do_not_decide():
+    without, rare = _pilot(1.0), np.zeros(4000)
+    rare[:4] = 1e6
+    assert pilot.gain(dataclasses.replace(without, whole=without.whole + rare), without) == pytest.approx(1.0, rel=0.02)
+    assert pilot.gain(without, dataclasses.replace(without, whole=0.1 * without.whole + rare)) < 1.0
+
+
+def test_noise_of_direct_light_promises_nothing():
+    assert pilot.promises(_pilot(4.0, 0.1))
+    assert not pilot.promises(_pilot(4.0, 3.9))
+    assert not pilot.promises(_pilot(0.0))
+
+
+def test_pilot_pixels_are_few_and_even():
+    film = Film(torus_room(100, 80))
+    film.active[:4000] = 0
+    found = pilot.pilot_pixels(film, 16)
+    assert found.sum() == pytest.approx(pilot.PART * 16 * 4000, abs=2) and not found[:4000].any()
+    assert abs(int(found[4000:6000].sum()) - int(found[6000:].sum())) <= 2
+    assert pilot.pilot_pixels(film, 1) is None
+
+
+def test_a_film_that_is_cleared_is_as_new():
+    scene = torus_room(16, 12)
+    scene.settings.samples = 4
+    film = session.render(scene, ("Depth", "Normal"))
+    fresh = Film(scene, ("Depth", "Normal"))
+    film.clear()
+    for name in film.passes:
+        assert np.array_equal(film.read(name), fresh.read(name))
+    assert film.samples == 0 and not film.squares.any() and not film.divided.any()
