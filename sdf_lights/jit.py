@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Numba as this project uses it: one decorator, one cache folder, arrays and functions reached by address.
 
-The lowest layer, below all kernels. If Numba cannot be imported, ``AVAILABLE`` is False, ``REASON`` gives the reason in
-one sentence, and ``kernel`` leaves a function as it is (plain, slow Python). So every module still imports, and the
-NumPy reference can take over.
+The lowest layer, below all kernels. ``kernel_entries`` stores and loads what ``kernel_compiler`` compiles: Numba is
+imported only if a kernel is not stored yet. If it cannot be imported, ``AVAILABLE`` is False, ``REASON`` gives the
+reason in one sentence, and ``kernel`` leaves a function as it is (plain, slow Python). So every module still imports,
+and the NumPy reference can take over.
 """
 
 from __future__ import annotations
@@ -13,64 +14,29 @@ import ctypes
 import functools
 import hashlib
 import inspect
-import itertools
 import pathlib
+import sys
+import threading
 
 import numpy as np
 
+from . import kernel_entries
 from .replaced import replaced_on_gpu
 
-try:
-    from llvmlite import binding as llvm
-    from llvmlite import ir
-    from numba import types
-    from numba.core import cgutils
-    from numba.core.ccallback import CFunc
-    from numba.core.codegen import JITCodeLibrary
-    from numba.core.compiler import Compiler
-    from numba.core.compiler_machinery import PassManager
-    from numba.core.registry import CPUDispatcher
-    from numba.core.serialize import dumps
-    from numba.core.typed_passes import (
-        AnnotateTypes,
-        IRLegalization,
-        NativeLowering,
-        NoPythonBackend,
-        NopythonRewrites,
-        NopythonTypeInference,
-        PreLowerStripPhis,
-    )
-    from numba.core.untyped_passes import (
-        DeadBranchPrune,
-        FixupArgs,
-        GenericRewrites,
-        IRProcessing,
-        ReconstructSSA,
-        TranslateByteCode,
-    )
-    from numba.extending import intrinsic
-    from numba.np.arrayobj import populate_array
-    from numba.np.numpy_support import from_dtype
+REASON = kernel_entries.missing()
+AVAILABLE = not REASON
 
-    from .kernel_code import Cache, codegen
-
-    AVAILABLE, REASON = True, ""
-except Exception as error:  # an ImportError, or a binary that does not match this NumPy or Python
-    AVAILABLE, REASON = False, f"Numba could not be imported ({type(error).__name__}: {error})"
-
-# Reassociation and contraction only: infinities and NaN keep their meaning, because kernels test for them.
-FASTMATH = {"contract", "reassoc", "arcp", "nsz"}
-
-
-_PARTS: list = []
 _LOADED: set = set()  # kernels that C calls
 _BEGUN: list = []  # kernels that Python calls
-_numbers = itertools.count()
+_lock = threading.RLock()  # while an entry is loaded or compiled
 
 
 def compiled_kernels() -> int:
     """Kernels that were compiled in this process, for linking into others."""
-    return sum(len(part.overloads) for part in _PARTS)
+    compiler = sys.modules.get(f"{__package__}.kernel_compiler")
+    # Another thread may still be importing it.
+    count = getattr(compiler, "compiled_kernels", None)
+    return count() if count else 0
 
 
 def _callees(python) -> list:
@@ -109,501 +75,241 @@ def progress(kernels) -> tuple[int, int]:
     return len(ready), len(wanted)
 
 
-if AVAILABLE:
+class _Kernel:
+    """The result of ``kernel``. Kernels link it in. A call from Python compiles it once more as an entry, which is
+    optimised, emitted, wrapped for Python, and cached on disk: one for each kind of arguments."""
 
-    class _WithoutEnvironment:
-        """A code generator that does not look up the environment of code that is never emitted."""
+    def __init__(self, function, settings: dict):
+        functools.update_wrapper(self, function)
+        self._settings, self._entries = settings, {}
 
-        def __init__(self, codegen):
-            self._codegen = codegen
+    def __call__(self, *arguments):
+        kinds = tuple(map(_kind, arguments))
+        entry = self._entries.get(kinds)
+        return (entry or self._entry(kinds, arguments))(*arguments)
 
-        def __getattr__(self, name):
-            return getattr(self._codegen, name)
+    def loaded(self) -> bool:
+        """Whether it is ready, including all that it calls."""
+        return self in _LOADED or bool(self._entries)
 
-        def set_env(self, name, environment):
-            pass
+    def compiled(self) -> bool:
+        """Whether it is ready for linking into others."""
+        if "_numba_type_" not in self.__dict__:
+            return False
+        from .kernel_compiler import is_part_compiled
 
-    class _Library(JITCodeLibrary):
-        """Code of kernels: each function is optimised for size by itself before it is linked."""
+        return is_part_compiled(self._numba_type_)
 
-        def _optimize_functions(self, ll_module):
-            """As in Numba, but with one pass manager for each function, also for functions that are only declared."""
-            ll_module.data_layout = self._codegen._data_layout
-            manager, builder = self._codegen._function_pass_manager()
-            for function in ll_module.functions:
-                if not function.is_declaration:
-                    manager.run(function, builder)
+    def _entry(self, kinds: tuple, arguments: tuple):
+        python, code = self.__wrapped__, self.__wrapped__.__code__
+        with _lock:
+            if kinds in self._entries:
+                return self._entries[kinds]
+            if self not in _BEGUN:
+                _BEGUN.append(self)
+            own = hashlib.sha256(code.co_code)
+            if python.__closure__:  # tests make kernels in functions, which differ in their closures
+                from numba.core.serialize import dumps
 
-    class _Part(_Library):
-        """Code of a kernel that other kernels call: intermediate code, which is linked into an entry.
+                own.update(dumps(tuple(cell.cell_contents for cell in python.__closure__)))
+            place = python.__qualname__, code.co_firstlineno, own.hexdigest()[:16]
 
-        Numba would link each function with all its callees, optimise it and emit it, at every level of the call tree.
-        For a path tracer that is most of the compile time. Here it happens once, in the entry.
-        """
+            def compiled():
+                from . import kernel_compiler
 
-        # Not the class itself, because kernels of another copy of this module may be linked in.
-        only_linked = True
+                return kernel_compiler.compiled(python, self._settings, arguments)
 
-        @property
-        def codegen(self):
-            return _WithoutEnvironment(self._codegen)
+            found = kernel_entries.Entry(pathlib.Path(code.co_filename), place, kinds)
+            self._entries[kinds] = entry = found.get(compiled, lambda stored: kernel_entries.function(stored, python))
+            return entry
 
-        def finalize(self):
-            self._raise_if_finalized()
-            self._finalize_dynamic_globals()
-            self._finalized = True
+    @functools.cached_property
+    def _numba_type_(self):
+        """Numba asks for this if another kernel calls this one: never, if all entries come from the cache."""
+        from . import kernel_compiler
 
-        def _get_module_for_linking(self):
-            for function in self._final_module.functions:
-                if not function.is_declaration and function.linkage == llvm.Linkage.external:
-                    function.linkage = "linkonce_odr"  # several entries may have it
-            return self._final_module
+        return kernel_compiler.part(self.__wrapped__, self._settings)
 
-        def get_pointer_to_function(self, name):
-            self._ensure_finalized()
-            return 0
 
-    class _Entry(_Library):
-        """Code of a kernel that is called from outside, with all kernels that it calls."""
+_NUMBERS = frozenset((float, int, bool, type(None)))
 
-        def finalize(self):
-            reached, pending = dict.fromkeys(self._linking_libraries), list(self._linking_libraries)
-            while pending:
-                library = pending.pop()
-                if getattr(library, "only_linked", False):
-                    found = [other for other in library._linking_libraries if other not in reached]
-                    reached |= dict.fromkeys(found)
-                    pending += found
-            self._linking_libraries = list(reached)
-            super().finalize()
 
-    class _Compiler(Compiler):
-        """Numba without the passes for closures, comprehensions and ``with``, which kernels do not use."""
+def _kind(value):
+    """All that the code of an entry depends on in one of its arguments; two of the same ``repr`` are the same."""
+    kind = type(value)
+    if kind in _NUMBERS:
+        return kind if kind is not int or -(1 << 63) <= value < 1 << 63 else np.uint64
+    if kind is np.ndarray:
+        flags = value.flags
+        layout = "C" if flags.c_contiguous else "F" if flags.f_contiguous else "A"
+        return value.dtype, value.ndim, layout, flags.writeable
+    if kind is tuple:
+        return tuple, *map(_kind, value)
+    return getattr(value, "dtype", kind)  # a number or a record of NumPy
 
-        def define_pipelines(self):
-            passes = PassManager("kernel")
-            for one in (
-                TranslateByteCode,
-                FixupArgs,
-                IRProcessing,
-                DeadBranchPrune,
-                GenericRewrites,
-                ReconstructSSA,
-                NopythonTypeInference,
-                PreLowerStripPhis,
-                NopythonRewrites,
-                IRLegalization,
-                AnnotateTypes,
-                NativeLowering,
-                NoPythonBackend,
-            ):
-                passes.add_pass(one, one.__name__)
-            passes.finalize()
-            return [passes]
 
-    class _PartCompiler(_Compiler):
-        def __init__(self, typing_context, target_context, library, *arguments):
-            library = library or _Part(codegen(), f"kernel{next(_numbers)}")
-            super().__init__(typing_context, target_context, library, *arguments)
+def kernel(function=None, **options):
+    """Compile ``function`` with Numba on first use: no GIL, cached on disk, division by zero gives infinity.
 
-    class _EntryCompiler(_Compiler):
-        def __init__(self, typing_context, target_context, library, *arguments):
-            if library is None:
-                library = _Entry(codegen(), f"entry{next(_numbers)}")
-                library.enable_object_caching()
-            super().__init__(typing_context, target_context, library, *arguments)
+    Functions and their arguments are scalars, tuples of floats (vectors, RGB), NumPy arrays and records.
+    """
+    if not AVAILABLE:
+        return function if function is not None else (lambda function: function)
+    if function is None:
+        return lambda function: kernel(function, **options)
+    return _Kernel(function, options)
 
-    class _PartDispatcher(CPUDispatcher):
-        """A call with a constant argument uses the same kernel as a call with a variable."""
 
-        def get_call_template(self, args, kws):
-            return super().get_call_template(tuple(map(types.unliteral, args)), kws)
+class _Intrinsic:
+    """Code of ``kernel_intrinsics`` that kernels call, made when a kernel that calls it is compiled; without Numba, a
+    ``plain`` function."""
 
-    class _Kernel:
-        """The result of ``kernel``. Kernels link it in. A call from Python compiles it once more as an entry, which is
-        optimised, emitted, wrapped for Python, and cached on disk."""
+    def __init__(self, name: str, *parameters, plain=None):
+        self._name, self._parameters, self._plain = name, parameters, plain
 
-        def __init__(self, function, settings: dict):
-            functools.update_wrapper(self, function)
-            self._settings = settings
+    def __call__(self, *arguments):
+        return self._plain(*arguments)
 
-        def __call__(self, *arguments):
-            return self._entry(*arguments)
+    @functools.cached_property
+    def _numba_type_(self):
+        """Numba asks for this if a kernel names it."""
+        from . import kernel_intrinsics
 
-        def loaded(self) -> bool:
-            """Whether it is ready, including all that it calls."""
-            return self in _LOADED or "_entry" in self.__dict__ and bool(self._entry.overloads)
+        made = getattr(kernel_intrinsics, self._name)
+        return kernel_intrinsics.type_of(made(*self._parameters) if self._parameters else made)
 
-        def compiled(self) -> bool:
-            """Whether it is ready for linking into others."""
-            return "_numba_type_" in self.__dict__ and bool(self._numba_type_.dispatcher.overloads)
 
-        @functools.cached_property
-        def _entry(self):
-            _BEGUN.append(self)
-            return _entry(self.__wrapped__, self._settings)
+def _reader(kind):
+    class Memory:
+        """Numbers at an address."""
 
-        @functools.cached_property
-        def _numba_type_(self):
-            """Numba asks for this if another kernel calls this one: never, if all entries come from the cache."""
-            settings = {name: value for name, value in self._settings.items() if name != "cache"}
-            part = _PartDispatcher(
-                self.__wrapped__, targetoptions={**settings, "no_cpython_wrapper": True}, pipeline_class=_PartCompiler
-            )
-            _PARTS.append(part)
-            return types.Dispatcher(part)
+        def __init__(self, address):
+            self.first = int(address)
 
-    def _entry(function, options: dict):
-        options = dict(options)
-        cached = options.pop("cache")
-        dispatcher = CPUDispatcher(py_func=function, targetoptions=options, pipeline_class=_EntryCompiler)
-        if cached:
-            code = function.__code__
-            # Tests make kernels in functions, which differ in their closures.
-            closed = dumps(tuple(cell.cell_contents for cell in function.__closure__ or ()))
-            own = hashlib.sha256(code.co_code + closed).hexdigest()[:16]
-            place = function.__qualname__, code.co_firstlineno, own
-            dispatcher._cache = Cache(pathlib.Path(code.co_filename), *place)
-        return dispatcher
+        def __getitem__(self, index):
+            return kind.from_address(self.first + ctypes.sizeof(kind) * int(index)).value
 
-    def kernel(function=None, **options):
-        """Compile ``function`` with Numba on first use: no GIL, cached on disk, division by zero gives infinity.
+    return Memory
 
-        Functions and their arguments are scalars, tuples of floats (vectors, RGB), NumPy arrays and records.
-        """
-        if function is None:
-            return lambda function: kernel(function, **options)
-        settings = dict(
-            nopython=True,
-            boundscheck=None,
-            nogil=True,
-            cache=True,
-            error_model="numpy",
-            fastmath=FASTMATH,
-            no_cfunc_wrapper=True,
-        )
-        settings.update(options)
-        return _Kernel(function, settings)
 
-    def _caller(kinds):
-        """Intrinsic that calls a C function without a result at an address; ``kinds`` are the types of its
-        arguments."""
-        signature = types.void(*[types.int64] * (1 + len(kinds)))
+# Kernels that call machine code import the first ones. Without Numba, such kernels cannot be called.
+call_address3, call_field, call_surface_code, call_numbers, address_of_record = (
+    _Intrinsic(name)
+    for name in ("call_address3", "call_field", "call_surface_code", "call_numbers", "address_of_record")
+)
+call_part = replaced_on_gpu(_Intrinsic("call_part"))
+float_of_bits = _Intrinsic("float_of_bits", plain=lambda bits: float(np.int64(bits).view(np.float64)))
+float_bits = replaced_on_gpu(_Intrinsic("float_bits", plain=lambda number: int(np.float32(number).view(np.uint32))))
+stack_array = replaced_on_gpu(_Intrinsic("stack_array", plain=np.empty))
+load_numbers, store_numbers = _Intrinsic("load_numbers"), _Intrinsic("store_numbers")
 
-        def codegen(context, builder, signature, arguments):
-            function = builder.inttoptr(arguments[0], ir.FunctionType(ir.VoidType(), kinds).as_pointer())
-            builder.call(
-                function,
-                [
-                    builder.inttoptr(value, kind) if isinstance(kind, ir.PointerType) else value
-                    for kind, value in zip(kinds, arguments[1:])
-                ],
-            )
-            return context.get_dummy_value()
 
-        return lambda typingctx, *arguments: (signature, codegen)
+def array_at(dtype, count: int, plain=None):
+    """The 1-D array of ``count`` numbers of ``dtype`` at an address, which may be a float: for kernels."""
+    return _Intrinsic("array_at", dtype, count, plain=plain)
 
-    @intrinsic
-    def call_address3(typingctx, address, a, b, c):
-        """Call the C function ``void f(void*, void*, void*)`` at an address; all arguments are integers."""
-        return _caller([cgutils.voidptr_t] * 3)(typingctx)
 
-    @intrinsic
-    def call_field(typingctx, address, count, points, parameters, values):
-        """Call a compiled formula (see ``graph.codegen_native.Compiled``) at an address; all arguments are integers."""
-        return _caller([ir.IntType(64)] + [cgutils.voidptr_t] * 3)(typingctx)
+def record_at(dtype):
+    """The record of ``dtype`` at an address: for kernels."""
+    return _Intrinsic("record_at", dtype)
 
-    @intrinsic
-    def call_surface_code(typingctx, address, block, workspace, surface, parameters, values):
-        """Call code of ``graph.codegen_native.compiled_at_surface`` at an address; all arguments are integers."""
-        return _caller([ir.IntType(64)] * 3 + [cgutils.voidptr_t] * 2)(typingctx)
 
-    @replaced_on_gpu
-    @intrinsic(prefer_literal=True)
-    def call_part(typingctx, address, block, workspace, given, count):
-        """Call a ``CallablePart`` at an address, for a block and a workspace, with a tuple of numbers. Returns a tuple
-        of a literal ``count`` of results."""
-        kind = types.UniTuple(types.float64, count.literal_value)
+_ANY = 1 << 40  # the real number of elements is in the head of a table
+doubles_at, floats_at, ints_at = (
+    array_at(dtype, _ANY, plain=_reader(number))
+    for dtype, number in ((np.float64, ctypes.c_double), (np.float32, ctypes.c_float), (np.int32, ctypes.c_int32))
+)
 
-        def codegen(context, builder, signature, arguments):
-            word, double = ir.IntType(64), ir.DoubleType()
-            numbers = cgutils.alloca_once(builder, double, size=ir.Constant(word, max(len(given), 1)))
-            results = cgutils.alloca_once(builder, double, size=ir.Constant(word, count.literal_value))
-            for index, number in enumerate(given):
-                value = context.cast(builder, builder.extract_value(arguments[3], index), number, types.float64)
-                builder.store(value, builder.gep(numbers, [ir.Constant(word, index)]))
-            function = builder.inttoptr(arguments[0], ir.FunctionType(ir.VoidType(), [word] * 4).as_pointer())
-            builder.call(function, [builder.ptrtoint(pointer, word) for pointer in (*arguments[1:3], numbers, results)])
-            return context.make_tuple(
-                builder,
-                kind,
-                [
-                    builder.load(builder.gep(results, [ir.Constant(word, index)]))
-                    for index in range(count.literal_value)
-                ],
-            )
 
-        return kind(address, block, workspace, given, count), codegen
+class _ForC:
+    """A function that calls a kernel, as a C function of integers without a result: ``address``."""
 
-    @intrinsic
-    def address_of_record(typingctx, record):
-        """Address of a record, as an integer."""
-
-        def codegen(context, builder, signature, arguments):
-            return builder.ptrtoint(arguments[0], context.get_value_type(types.int64))
-
-        return types.int64(record), codegen
-
-    def _record_at(dtype):
-        """Intrinsic that returns the record of ``dtype`` at an address."""
-        record = from_dtype(np.dtype(dtype))
-
-        @intrinsic
-        def view(typingctx, address):
-            def codegen(context, builder, signature, arguments):
-                return builder.inttoptr(arguments[0], context.get_value_type(record))
-
-            return record(address), codegen
-
-        return view
-
-    def array_at(dtype, count: int):
-        """Intrinsic that returns the 1-D array of ``count`` numbers of ``dtype`` at an address, which may be a
-        float."""
-        array_type = types.Array(from_dtype(np.dtype(dtype)), 1, "C")
-        itemsize = np.dtype(dtype).itemsize
-
-        @intrinsic
-        def view(typingctx, address):
-            """The numbers at an address."""
-
-            def codegen(context, builder, signature, arguments):
-                array = context.make_array(array_type)(context, builder)
-                place = context.cast(builder, arguments[0], signature.args[0], types.int64)
-                data = builder.inttoptr(place, context.get_data_type(array_type.dtype).as_pointer())
-                size = context.get_constant(types.intp, itemsize)
-                shape = [context.get_constant(types.intp, count)]
-                populate_array(array, data=data, shape=shape, strides=[size], itemsize=size, meminfo=None)
-                return array._getvalue()
-
-            return array_type(address), codegen
-
-        return view
-
-    _ANY = 1 << 40  # the real number of elements is in the head of a table
-    doubles_at, floats_at, ints_at = (array_at(dtype, _ANY) for dtype in (np.float64, np.float32, np.int32))
-
-    @intrinsic(prefer_literal=True)
-    def _load_numbers(typingctx, address, count):
-        """A tuple of a literal ``count`` of doubles at an address."""
-        kind = types.UniTuple(types.float64, count.literal_value)
-
-        def codegen(context, builder, signature, arguments):
-            start = builder.inttoptr(arguments[0], ir.DoubleType().as_pointer())
-            return context.make_tuple(
-                builder,
-                kind,
-                [
-                    builder.load(builder.gep(start, [ir.Constant(ir.IntType(64), index)]))
-                    for index in range(count.literal_value)
-                ],
-            )
-
-        return kind(types.int64, count), codegen
-
-    @intrinsic
-    def _store_numbers(typingctx, address, numbers):
-        """Write a number, or each of a tuple, as doubles at an address."""
-        kinds = list(numbers) if isinstance(numbers, types.BaseTuple) else [numbers]
-
-        def codegen(context, builder, signature, arguments):
-            start = builder.inttoptr(arguments[0], ir.DoubleType().as_pointer())
-            for index, kind in enumerate(kinds):
-                number = arguments[1]
-                if isinstance(numbers, types.BaseTuple):
-                    number = builder.extract_value(number, index)
-                number = context.cast(builder, number, kind, types.float64)
-                builder.store(number, builder.gep(start, [ir.Constant(ir.IntType(64), index)]))
-            return context.get_dummy_value()
-
-        return types.void(address, numbers), codegen
-
-    def _c_function(function, arguments: int, kernel, key: list) -> CFunc:
-        """``function`` calls ``kernel`` from C, with so many integers and no result; it is loaded from a file or
-        compiled. ``key`` separates its file from those of other kernels with the same sources."""
-        settings = dict(nopython=True, boundscheck=None, nogil=True, error_model="numpy", fastmath=FASTMATH)
+    def __init__(self, function, arguments: int, kernel, key: list):
+        """``key`` separates its file from those of other kernels with the same sources."""
         # The machine code has this name. Kernels written by several processes may meet in the process that reads them.
         function.__name__ = function.__qualname__ = "_".join(map(str, key))
-        compiled = CFunc(
-            function, ((types.int64,) * arguments, types.void), {}, settings, pipeline_class=_EntryCompiler
-        )
-        compiled._cache = Cache(pathlib.Path(kernel.__wrapped__.__code__.co_filename), *key)
-        compiled.compile()
-        _LOADED.add(kernel)
-        return compiled
 
-    class Callback:
-        """A kernel of one record as a C function ``void f(record *)``, for libraries to call: ``address``."""
+        def compiled():
+            from . import kernel_compiler
 
-        def __init__(self, kernel, record: np.dtype):
-            record_at = _record_at(record)
+            return kernel_compiler.compiled_for_c(function, arguments)
 
-            def function(address):
-                kernel(record_at(address))
+        with _lock:
+            found = kernel_entries.Entry(pathlib.Path(kernel.__wrapped__.__code__.co_filename), tuple(key), "C")
+            self.address, self._code = found.get(compiled, kernel_entries.address)
+            _LOADED.add(kernel)
 
-            key = [kernel.__wrapped__.__name__]
-            self._compiled = _c_function(function, 1, kernel, key)
-            self.address = self._compiled.address
 
-    class CallablePart:
-        """A kernel as a C function ``void f(int64 block, int64 workspace, int64 operands, int64 results)``. Compiled
-        formulas call it, and other kernels do (``call_part``). It is compiled on first use, and cached on disk."""
+class Callback(_ForC):
+    """A kernel of one record as a C function ``void f(record *)``, for libraries to call: ``address``."""
 
-        def __init__(self, kernel, static: tuple[int, ...], operands: int, records: tuple | None):
-            """``records``: types of the block and the workspace, if the kernel uses them."""
-            function = _called(kernel, static, operands, records)
-            key = [kernel.__wrapped__.__name__, *static, operands]
-            if records is not None:  # their fields may change without a change of the kernel's sources
-                layouts = "".join(str(from_dtype(np.dtype(record))) for record in records)
-                key.append(hashlib.sha256(layouts.encode()).hexdigest()[:16])
-            self._compiled = _c_function(function, 4, kernel, key)
-            self.address = self._compiled.address
+    def __init__(self, kernel, record: np.dtype):
+        at = record_at(record)
 
-        def fill(self, operands: np.ndarray, results: np.ndarray) -> None:
-            """Results (n, count) for operands (n, count), both float64 and contiguous, of a kernel without records."""
-            strides = operands.strides[0], results.strides[0]
-            _call_each(self.address, len(results), operands.ctypes.data, strides[0], results.ctypes.data, strides[1])
+        def function(address):
+            kernel(at(address))
 
-    @intrinsic
-    def call_numbers(typingctx, address, operands, results):
-        """Call a ``CallablePart`` that needs no records; all arguments are integers."""
-        signature, codegen = _caller([ir.IntType(64)] * 4)(typingctx)
+        super().__init__(function, 1, kernel, [kernel.__wrapped__.__name__])
 
-        def without_records(context, builder, _, arguments):
-            nothing = ir.Constant(ir.IntType(64), 0)
-            return codegen(context, builder, signature, (arguments[0], nothing, nothing, *arguments[1:]))
 
-        return types.void(*[types.int64] * 3), without_records
+class CallablePart(_ForC):
+    """A kernel as a C function ``void f(int64 block, int64 workspace, int64 operands, int64 results)``. Compiled
+    formulas call it, and other kernels do (``call_part``). It is compiled on first use, and cached on disk."""
 
-    @kernel
-    def _call_each(address, count, operands, operand_stride, results, result_stride):
-        for index in range(count):
-            call_numbers(address, operands + index * operand_stride, results + index * result_stride)
+    def __init__(self, kernel, static: tuple[int, ...], operands: int, records: tuple | None):
+        """``records``: types of the block and the workspace, if the kernel uses them."""
+        key = [kernel.__wrapped__.__name__, *static, operands]
+        if records is not None:  # their fields may change without a change of the kernel's sources
+            layouts = repr([np.dtype(record) for record in records])
+            key.append(hashlib.sha256(layouts.encode()).hexdigest()[:16])
+        super().__init__(_called(kernel, static, operands, records), 4, kernel, key)
 
-    def _called(kernel, static: tuple[int, ...], operands: int, records: tuple | None):
-        if records is None:
-            if operands == 0:
+    def fill(self, operands: np.ndarray, results: np.ndarray) -> None:
+        """Results (n, count) for operands (n, count), both float64 and contiguous, of a kernel without records."""
+        strides = operands.strides[0], results.strides[0]
+        _call_each(self.address, len(results), operands.ctypes.data, strides[0], results.ctypes.data, strides[1])
 
-                def function(block, workspace, given, results):
-                    _store_numbers(results, kernel(*static))
-            elif static:
 
-                def function(block, workspace, given, results):
-                    _store_numbers(results, kernel(*(static + _load_numbers(given, operands))))
-            else:
+@kernel
+def _call_each(address, count, operands, operand_stride, results, result_stride):
+    for index in range(count):
+        call_numbers(address, operands + index * operand_stride, results + index * result_stride)
 
-                def function(block, workspace, given, results):
-                    _store_numbers(results, kernel(*_load_numbers(given, operands)))
 
-            return function
-        block_at, workspace_at = (_record_at(record) for record in records)
+def _called(kernel, static: tuple[int, ...], operands: int, records: tuple | None):
+    if records is None:
         if operands == 0:
 
             def function(block, workspace, given, results):
-                _store_numbers(results, kernel(block_at(block), workspace_at(workspace), *static))
+                store_numbers(results, kernel(*static))
         elif static:
 
             def function(block, workspace, given, results):
-                _store_numbers(
-                    results,
-                    kernel(block_at(block), workspace_at(workspace), *(static + _load_numbers(given, operands))),
-                )
+                store_numbers(results, kernel(*(static + load_numbers(given, operands))))
         else:
 
             def function(block, workspace, given, results):
-                _store_numbers(
-                    results, kernel(block_at(block), workspace_at(workspace), *_load_numbers(given, operands))
-                )
+                store_numbers(results, kernel(*load_numbers(given, operands)))
 
         return function
+    block_at, workspace_at = (record_at(record) for record in records)
+    if operands == 0:
 
-    @intrinsic
-    def float_of_bits(typingctx, bits):
-        """The double with the bits of an integer."""
+        def function(block, workspace, given, results):
+            store_numbers(results, kernel(block_at(block), workspace_at(workspace), *static))
+    elif static:
 
-        def codegen(context, builder, signature, arguments):
-            return builder.bitcast(arguments[0], ir.DoubleType())
-
-        return types.float64(types.int64), codegen
-
-    @replaced_on_gpu
-    @intrinsic
-    def float_bits(typingctx, number):
-        """The bits of a number in single precision, as uint32."""
-
-        def codegen(context, builder, signature, arguments):
-            return builder.bitcast(builder.fptrunc(arguments[0], ir.FloatType()), ir.IntType(32))
-
-        return types.uint32(types.float64), codegen
-
-    @replaced_on_gpu
-    @intrinsic(prefer_literal=True)
-    def stack_array(typingctx, count):
-        """Uninitialised float64 array of a literal ``count`` elements on the stack, valid until the function
-        returns."""
-        array_type = types.Array(types.float64, 1, "C")
-        size = count.literal_value
-
-        def codegen(context, builder, signature, arguments):
-            array = context.make_array(array_type)(context, builder)
-            element = context.get_data_type(types.float64)
-            data = cgutils.alloca_once(builder, element, size=ir.Constant(ir.IntType(64), size))
-            data.align = 64
-            itemsize = context.get_constant(types.intp, 8)
-            populate_array(
-                array,
-                data=data,
-                shape=[context.get_constant(types.intp, size)],
-                strides=[itemsize],
-                itemsize=itemsize,
-                meminfo=None,
+        def function(block, workspace, given, results):
+            store_numbers(
+                results,
+                kernel(block_at(block), workspace_at(workspace), *(static + load_numbers(given, operands))),
             )
-            return array._getvalue()
+    else:
 
-        return array_type(count), codegen
+        def function(block, workspace, given, results):
+            store_numbers(results, kernel(block_at(block), workspace_at(workspace), *load_numbers(given, operands)))
 
-else:
-
-    def kernel(function=None, **options):
-        return function if function is not None else (lambda function: function)
-
-    def float_bits(number):
-        return int(np.float32(number).view(np.uint32))
-
-    def float_of_bits(bits):
-        return float(np.int64(bits).view(np.float64))
-
-    def _reader(kind):
-        class Memory:
-            """Numbers at an address."""
-
-            def __init__(self, address):
-                self.first = int(address)
-
-            def __getitem__(self, index):
-                return kind.from_address(self.first + ctypes.sizeof(kind) * int(index)).value
-
-        return Memory
-
-    def stack_array(count):
-        return np.empty(count)
-
-    doubles_at, floats_at, ints_at = _reader(ctypes.c_double), _reader(ctypes.c_float), _reader(ctypes.c_int32)
-
-    # Kernels that call machine code import these. Without Numba, such kernels cannot be called.
-    call_address3 = call_field = call_surface_code = call_part = call_numbers = address_of_record = CallablePart = (
-        Callback
-    ) = None
+    return function
 
 
 def specialised(function, name: str, **names):
@@ -636,31 +342,7 @@ def table(name: str, dtype):
     A block is one NumPy record with the address and length of every array of a scene. So kernels pass one word instead
     of seven for each array, and never touch a reference count shared by threads.
     """
-    if not AVAILABLE:
-        return None
-
-    def read(context, builder, signature, arguments, field):
-        block_type = signature.args[0]
-        getter = context.get_getattr(block_type, field)
-        return getter(context, builder, block_type, arguments[0], field)
-
-    @intrinsic
-    def view(typingctx, block):
-        # An intrinsic, because a compiled function for each table would cost a tenth of all compile time.
-        array_type = types.Array(from_dtype(np.dtype(dtype)), 1, "C")
-
-        def codegen(context, builder, signature, arguments):
-            address = read(context, builder, signature, arguments, name + "_address")
-            count = read(context, builder, signature, arguments, name + "_count")
-            array = context.make_array(array_type)(context, builder)
-            element = context.get_data_type(array_type.dtype)
-            data = builder.inttoptr(address, element.as_pointer())
-            size = context.get_constant(types.intp, context.get_abi_sizeof(element))
-            populate_array(array, data=data, shape=[count], strides=[size], itemsize=size, meminfo=None)
-            return array._getvalue()
-
-        return array_type(block), codegen
-
+    view = _Intrinsic("table", name, dtype)
     view.table_name, view.table_dtype = name, np.dtype(dtype) if dtype is not None else None
     return view
 

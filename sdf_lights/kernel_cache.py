@@ -22,7 +22,7 @@ import time
 OLD_DAYS = 90.0  # without use, after which the kernels of a version are removed
 OLD_PARTS = 3600.0  # seconds after which an unfinished file counts as abandoned
 MOST_BYTES = 512 << 20  # of all kernels; above it, the least recently used are removed
-MAGIC = b"SDF Lights kernel 1\n"
+MAGIC = b"SDF Lights kernel 2\n"
 SUFFIX, UNFINISHED = ".kernel", ".part"
 SHIPPED = pathlib.Path(__file__).resolve().parent / "compiled"  # in an extension whose zip was built with kernels
 _DIGEST = hashlib.sha256().digest_size
@@ -73,7 +73,7 @@ def writable_folder() -> pathlib.Path:
 class Files:
     """The compiled code of one function: in ``folder``, under names that begin with ``name``.
 
-    Replaces Numba's ``IndexDataCacheFile``. A key is anything whose ``repr`` contains everything that the result
+    A key is anything whose ``repr`` contains everything that the result
     depends on, except what the folder's name already contains.
     """
 
@@ -104,9 +104,7 @@ class Files:
 
     def save(self, key, data) -> None:
         """Save ``data``. If that fails, ``problem`` gives the reason."""
-        from numba.core.serialize import dumps
-
-        payload = dumps((repr(key), data))
+        payload = pickle.dumps((repr(key), data))
         try:
             self._folder.mkdir(parents=True, exist_ok=True)
             _write(self.path(key), MAGIC + hashlib.sha256(payload).digest() + payload)

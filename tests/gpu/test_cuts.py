@@ -30,7 +30,7 @@ TRACED = {  # by boxes of parts, and by a program that is written out
 }
 
 
-@kernel(cache=False)
+@kernel
 def _prepare(blocks, x, n, store, rows):
     gpu_lamps.prepare(blocks[0], 0, x, n, 0, 1, ALL, gpu_lamps.LIMIT, None, store, rows[0])
 

@@ -27,7 +27,7 @@ SHAPES = {
 }
 
 
-@kernel(cache=False)
+@kernel
 def _both(blocks, row, program, origins, directions, spans):
     """Rays whose intervals differ, and all of them."""
     first, second = np.empty((200, 2)), np.empty((200, 2))
@@ -66,7 +66,7 @@ def test_few_parts_have_no_boxes():
     assert len(parts.parts_of(Expression("sphere(0.5) | box(0.3)").shape().program())) == 0
 
 
-@kernel(cache=False)
+@kernel
 def _combined(a, b, op, looped, direct):
     counts = np.empty((len(a), 2), np.int64)
     for i in range(len(a)):

@@ -157,7 +157,7 @@ def test_panorama_with_a_lens_at_the_poles():
 SIDE = 256
 
 
-@kernel(cache=False)
+@kernel
 def _lens(blades, rotation, u, out):
     for i in range(len(u)):
         out[i] = sample_blades(blades, rotation, u[i, 0], u[i, 1]) if blades > 0 else disk_point(u[i, 0], u[i, 1])

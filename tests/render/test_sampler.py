@@ -12,7 +12,7 @@ from sdf_lights.jit import kernel
 from sdf_lights.render.kernels.samplers import get_1d, get_2d, get_3d, get_4d, pixel_seed
 
 
-@kernel(cache=False)
+@kernel
 def _fill(seeds, dimensions, first, out):
     for row in range(len(seeds)):
         for index in range(out.shape[1]):
@@ -23,7 +23,7 @@ def _fill(seeds, dimensions, first, out):
             out[row, index, 3] = u[3]
 
 
-@kernel(cache=False)
+@kernel
 def _seeds(width, height, seed, out):
     for y in range(height):
         for x in range(width):

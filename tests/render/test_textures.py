@@ -85,7 +85,7 @@ if jit.AVAILABLE:
     from sdf_lights.jit import block_dtype, fill_table, kernel
     from sdf_lights.render.kernels import textures
 
-    @kernel(cache=False)
+    @kernel
     def _look_up(block, place, uv, found):
         for i in range(len(uv)):
             rgba = textures.texture_lookup(block, block, place, uv[i, 0], uv[i, 1])

@@ -8,7 +8,7 @@ from collections import OrderedDict
 import numpy as np
 import pytest
 
-from sdf_lights.graph import codegen_native
+from sdf_lights.graph import codegen_native, native_emission
 from sdf_lights.graph import formula as f
 from sdf_lights.graph.folding import Folding
 from sdf_lights.graph.functions import Function
@@ -35,9 +35,9 @@ TWICE = Function("twice", _twice)
 def start(tmp_path, monkeypatch):
     """A function after which no code is in memory, as in a new process, that gives the number of modules made since."""
     made = []
-    for name in ("_module", "_surface_module"):
-        original = getattr(codegen_native, name)
-        monkeypatch.setattr(codegen_native, name, lambda *given, original=original: made.append(1) or original(*given))
+    for name in ("module", "surface_module"):
+        original = getattr(native_emission, name)
+        monkeypatch.setattr(native_emission, name, lambda *given, original=original: made.append(1) or original(*given))
     monkeypatch.setattr(codegen_native, "_folder", lambda: tmp_path / "formulas")
     monkeypatch.setattr(codegen_native, "_compiled", OrderedDict())
 

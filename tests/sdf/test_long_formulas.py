@@ -5,7 +5,7 @@
 import numpy as np
 
 from sdf_lights.emitter.tree import interior
-from sdf_lights.graph import codegen_native, numpy_evaluation
+from sdf_lights.graph import codegen_native, native_emission, numpy_evaluation
 from sdf_lights.graph.formula import POINT, length, minimum, order
 from sdf_lights.sdf.shapes import Box, Intersection
 from sdf_lights.sdf.shapes.field import Field
@@ -21,11 +21,11 @@ def _balls(count: int = BALLS):
 
 def test_no_block_is_long():
     formula = _balls()
-    assert len(order(formula)) > codegen_native.BLOCK
-    text = str(codegen_native._module((formula,)))
+    assert len(order(formula)) > native_emission.BLOCK
+    text = str(native_emission.module((formula,)))
     function = text[text.index("define void") :]
     longest = max(block.count("\n") for block in function.split("\n.")[1:] + function.split("br i1"))
-    assert longest < 2 * codegen_native.BLOCK
+    assert longest < 2 * native_emission.BLOCK
 
 
 def test_values_are_those_of_numpy():

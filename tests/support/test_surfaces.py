@@ -36,7 +36,7 @@ SHAPES = {
 POINTS = {"above": (0.3, 0.2, 1.6), "close": (0.75, 0.0, 0.3), "middle": (0.02, 0.01, 0.03)}
 
 
-@kernel(cache=False)
+@kernel
 def _sample(blocks, x, u, spans):
     out = np.empty((len(u), 3))
     for i in range(len(u)):
@@ -44,7 +44,7 @@ def _sample(blocks, x, u, spans):
     return out
 
 
-@kernel(cache=False)
+@kernel
 def _density(blocks, x, directions, spans):
     out = np.empty(len(directions))
     for i in range(len(directions)):

@@ -71,9 +71,9 @@ def uniform_cells(shape) -> np.ndarray:
 
 
 @kernel
-def roughness(cells):
-    """Relative variance of the emission in each cell, from the differences between the leaves below."""
-    second, out = np.zeros(len(cells)), np.zeros(len(cells))
+def roughness(cells, out):
+    """``out``: relative variance of the emission in each cell, from the differences between the leaves below."""
+    second = np.zeros(len(cells))
     for index in range(len(cells) - 1, -1, -1):
         cell = cells[index]
         if cell.first < 0:
@@ -82,14 +82,13 @@ def roughness(cells):
             second[index] = second[cell.first] + second[cell.first + 1]
         square = cell.mass * cell.mass
         out[index] = max(second[index] * cell.volume / square - 1.0, 0.0) if square > 0.0 else 0.0
-    return out
 
 
 @kernel
-def expected_light(cells):
-    """Expected emission of each cell, for drawing points. A leaf has only few samples, which may have missed emission, so
-    it gets a part of its neighbours' emission."""
-    out, parent = np.zeros(len(cells)), np.zeros(len(cells), np.int64)
+def expected_light(cells, out):
+    """``out``: expected emission of each cell, for drawing points. A leaf has only few samples,
+    which may have missed emission, so it gets a part of its neighbours' emission."""
+    parent = np.zeros(len(cells), np.int64)
     for index in range(len(cells)):
         cell = cells[index]
         if cell.first >= 0:
@@ -104,7 +103,6 @@ def expected_light(cells):
     for index in range(len(cells) - 1, -1, -1):
         if cells[index].first >= 0:
             out[index] = out[cells[index].first] + out[cells[index].first + 1]
-    return out
 
 
 def _rough_in_boxes(cells: np.ndarray, rough: np.ndarray) -> float:
@@ -130,12 +128,14 @@ def pack_cuts(built: list[BuiltLamp], sources: list) -> dict[str, np.ndarray]:
         factor = abs(float(np.linalg.det(matrix[:3, :3])))
         own = uniform_cells(shape) if lamp.emission is None else lamp.emission.weighed.cells
         if id(own) not in known:
-            rough = roughness(own)
+            rough, expected = np.zeros(len(own)), np.zeros(len(own))
+            roughness(own, rough)
+            expected_light(own, expected)
             known[id(own)] = used, _thickness(own), _rough_in_boxes(own, rough)
             parts.append(own)
             drawn.append(_drawn(own, lamp.row["kind"][0] == PRIMITIVE) if lamp.emission is None else own["first"] < 0)
             uneven.append(rough)
-            light.append(expected_light(own))
+            light.append(expected)
             used += len(own)
         to_world = matrix.copy()
         to_world[:3, 3] += to_world[:3, :3] @ tree.center - lamp.row["center"][0]

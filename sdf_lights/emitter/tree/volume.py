@@ -189,13 +189,13 @@ def _sample_field(
 
 
 @kernel
-def sample(program, terms, parameters, nodes, lists, boxes, leaves, coarsest, randoms, sums):
+def sample(program, terms, parameters, nodes, lists, boxes, leaves, coarsest, randoms, sums, calls):
     """Split the ``leaves`` into parts of at most the volumes ``coarsest`` (leaves,), and sample the parts that are
     still unsure.
 
     Adds to ``sums`` (4,) the volume that is certainly inside, the sampled volume, the estimate of its part inside, and
-    the variance of that. ``randoms`` (1,) is the seed, and then that of the next leaves. Returns how many times the
-    list of each leaf was evaluated.
+    the variance of that. ``randoms`` (1,) is the seed, and then that of the next leaves. Adds to ``calls``
+    (leaves,) how many times the list of each leaf was evaluated.
     """
     stack = stack_array(STACK)
     # Centre and half sizes of cells, and whether the field is close to linear around them, as far as is known.
@@ -204,7 +204,6 @@ def sample(program, terms, parameters, nodes, lists, boxes, leaves, coarsest, ra
     points, values = np.empty((3, LANES)), np.empty(LANES)
     random = randoms[0]
     full, unsure, inside, variance = sums[0], sums[1], sums[2], sums[3]
-    calls = np.zeros(len(leaves))
     for index in range(len(leaves)):
         node, box = nodes[leaves[index]], boxes[leaves[index]]
         for k in range(3):
@@ -267,7 +266,6 @@ def sample(program, terms, parameters, nodes, lists, boxes, leaves, coarsest, ra
                     top += 1
     randoms[0] = random
     sums[0], sums[1], sums[2], sums[3] = full, unsure, inside, variance
-    return calls
 
 
 def measure(tree: Tree) -> Volume:
@@ -284,7 +282,8 @@ def measure(tree: Tree) -> Volume:
         # The parts are handled in sequence, so their number changes no bit.
         for part in zip(np.array_split(leaves[share], parts), np.array_split(coarsest[share], parts)):
             check()
-            sample(tree.program, *tree.arrays, tree.nodes, tree.lists, tree.boxes, *part, random, sums)
+            calls = np.zeros(len(part[0]))
+            sample(tree.program, *tree.arrays, tree.nodes, tree.lists, tree.boxes, *part, random, sums, calls)
         return sums
 
     def estimate(work: float) -> Volume:

@@ -16,7 +16,7 @@ from support.grids import torus
 from support.lamps.shapes_under_test import COMPOSITES, FIELDS, moved, turned
 
 
-@kernel(cache=False)
+@kernel
 def run(terms, parameters, lists, points, values):
     """Values (n,) of the list at points (3, n); n is a multiple of LANES."""
     stack = stack_array(STACK)
@@ -87,6 +87,6 @@ def test_functions_of_tables_are_called_for_the_wanted_points_alone():
     assert not stack[VALUES + 3 : VALUES + LANES].any()
 
 
-@kernel(cache=False)
+@kernel
 def run_some(terms, parameters, lists, points, stack):
     fields.run_terms(terms, parameters, lists, 0, len(lists), points, stack)

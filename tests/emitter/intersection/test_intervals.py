@@ -261,7 +261,7 @@ def random_program(rng, size):
     return combine(Op(rng.choice(list(SETS))), [random_program(rng, left), random_program(rng, size - left)])
 
 
-@kernel(cache=False)
+@kernel
 def _solved(program, o, d, spans, chosen, smallest):
     return regularize(spans, solve(program, o, d, spans, chosen), smallest)
 
@@ -309,7 +309,7 @@ def test_chosen_instructions_are_a_program():
             assert classified(whole, o, box, indices) == classified(expected, o, box)
 
 
-@kernel(cache=False)
+@kernel
 def _classified(program, c, h, chosen):
     return classify(program, c, h, chosen)
 

@@ -42,12 +42,12 @@ def by_planes(o, d, half_size, levels):
     return t[edges].astype(float).reshape(-1, 2)
 
 
-@kernel(cache=False)
+@kernel
 def _regular(spans, smallest):
     return regularize(spans, len(spans), smallest)
 
 
-@kernel(cache=False)
+@kernel
 def _spans(o, d, half_size, levels, spans, smallest):
     return regularize(spans, sponge_spans(o, d, half_size, levels, spans, 0), smallest)
 
@@ -218,7 +218,7 @@ def test_number_of_intervals():
     assert most[0] == 3 and all(3 ** (n - 1) < count <= most_spans((1.0, n)) for n, count in zip((1, 2, 3), most))
 
 
-@kernel(cache=False)
+@kernel
 def _flags(c, h, half_size, levels):
     return classify_sponge(c, h, half_size, levels)
 

@@ -41,12 +41,12 @@ def unit(n):
     return tuple(np.asarray(n, float) / np.linalg.norm(n))
 
 
-@kernel(cache=False)
+@kernel
 def _prepare(blocks, x, n, two_sided, tolerance, limit, keys, store, cuts):
     cut.prepare(blocks[0], 0, x, n, two_sided, 1, tolerance, limit, keys, store, cuts[0])
 
 
-@kernel(cache=False)
+@kernel
 def sample(blocks, x, spans, store, cuts, u):
     out = np.empty((len(u), 3))
     for i in range(len(u)):
@@ -54,7 +54,7 @@ def sample(blocks, x, spans, store, cuts, u):
     return out
 
 
-@kernel(cache=False)
+@kernel
 def density(blocks, x, store, cuts, directions, spans):
     out = np.empty(len(directions))
     for i in range(len(directions)):
@@ -64,7 +64,7 @@ def density(blocks, x, store, cuts, directions, spans):
     return out
 
 
-@kernel(cache=False)
+@kernel
 def _project(blocks, x, cuts):
     cut.project(blocks[0], 0, x, 0, cuts[0])
 

@@ -31,7 +31,7 @@ PLACES = {
 }
 
 
-@kernel(cache=False)
+@kernel
 def _lit(blocks, x, n, has_glossy, afar, tolerance, keys, store, cuts, u):
     """What each light ray by points gives the irradiance at x; the first number is −1 where rays are asked for."""
     out = np.zeros(len(u))

@@ -50,7 +50,7 @@ SIGNED = {
 WITH_TREE = {name: shape for name, shape in {**LAMPS, **SIGNED}.items() if not build._is_primitive(shape)}
 
 
-@kernel(cache=False)
+@kernel
 def field_values(terms, parameters, nodes, boxes, lists, numbers, points, pruned):
     """LANES random points of each box, and the value of the node's list there; NaN where the state is certain."""
     stack = stack_array(STACK)
@@ -67,7 +67,7 @@ def field_values(terms, parameters, nodes, boxes, lists, numbers, points, pruned
             pruned[index, lane] = stack[VALUES + lane] if node.row_count > 0 else np.nan
 
 
-@kernel(cache=False)
+@kernel
 def program_values(program, nodes, boxes, lists, numbers, points, pruned, whole):
     """As ``field_values``: 1.0 inside and 0.0 outside, by the list of the node and by the whole program."""
     for index in range(len(nodes)):
@@ -181,7 +181,7 @@ def test_bounds_are_tightened(placement):
     assert extent[1] < 1.35 and extent[0] < 0.45  # of a lens 1.2 across, where the box of either ball is 2 across
 
 
-@kernel(cache=False)
+@kernel
 def many_points(nodes, low, high, numbers, points, leaves):
     for i in range(len(numbers)):
         q, leaf = tree_point(nodes, low, high, numbers[i, 0], numbers[i, 1], numbers[i, 2])

@@ -124,8 +124,8 @@ def test_errors_at_two_million_evaluations(name):
     while True:
         errors = []
         for seed in range(1, 49):
-            sums = np.zeros(4)
-            calls = volume.sample(
+            sums, calls = np.zeros(4), np.zeros(len(tree.boundary))
+            volume.sample(
                 tree.program,
                 *tree.arrays,
                 tree.nodes,
@@ -135,6 +135,7 @@ def test_errors_at_two_million_evaluations(name):
                 np.full(len(tree.boundary), coarsest),
                 np.array([seed], np.uint64),
                 sums,
+                calls,
             )
             evaluations = 8.0 * calls.sum()
             errors.append((certain + sums[0] + sums[2]) / exact - 1.0)

@@ -37,7 +37,7 @@ class Probe:
         return out
 
 
-@kernel(cache=False)
+@kernel
 def _trace(blocks, workspaces, origins, directions, mask, out):
     block, workspace = blocks[0], workspaces[0]
     for i in range(len(origins)):

@@ -7,10 +7,15 @@ import pathlib
 import subprocess
 import sys
 
+import pytest
+
+from sdf_lights import machine_code
+
 REPOSITORY = pathlib.Path(__file__).resolve().parents[3]
 
 
 def run(code: str, cache: pathlib.Path) -> str:
+    cache.mkdir(exist_ok=True)
     environment = {**os.environ, "SDF_LIGHTS_CACHE": str(cache), "PYTHONPATH": str(REPOSITORY)}
     return subprocess.run(
         [sys.executable, "-c", code],
@@ -27,10 +32,10 @@ def test_compiled_entry_loads_without_the_compiler(tmp_path):
     code = (
         "import sys, numpy as np; from sdf_lights import jit; from sdf_lights.emitter.hashing import seeded; "
         "value = seeded(0.25, 0.5, 0.75); "
-        "print(int(value), 'numba.np.arraymath' in sys.modules, jit.compiled_kernels())"
+        "print(int(value), 'numba' in sys.modules or 'llvmlite' in sys.modules, jit.compiled_kernels())"
     )
     value, compiler, _ = run(code, tmp_path).split()
-    assert compiler == "True"  # so this module does tell whether Numba was made ready to compile
+    assert compiler == "True"
     assert run(code, tmp_path).split() == [value, "False", "0"]
 
 
@@ -52,4 +57,36 @@ def test_lamps_of_one_primitive_need_no_kernels_to_be_built(tmp_path):
         "print(*(len(build_lamp('Lamp', shape, np.eye(4)).program) for shape in shapes))"
     )
     assert run(code, tmp_path).split() == ["1"] * 6
-    assert not [path for path in tmp_path.rglob("*") if path.is_file()]
+    assert not list(tmp_path.rglob("*.kernel"))
+
+
+FORMULA = (
+    "import sys, numpy as np; from sdf_lights import machine_code{set}; "
+    "from sdf_lights.emitter.hashing import seeded; from sdf_lights.graph import codegen_native, formula as f; "
+    "x, y, z = f.POINT; points = np.linspace(-1, 1, 12).reshape(4, 3); "
+    "print(int(seeded(0.25, 0.5, 0.75)), codegen_native.evaluate(f.sin(x) + f.power(y * y, z), points).tobytes().hex(), "
+    "'numba' in sys.modules or 'llvmlite' in sys.modules)"
+)
+
+
+@pytest.mark.skipif(not machine_code.AVAILABLE, reason="LLVM loads all code on this platform")
+def test_code_that_llvm_loads_gives_the_same(tmp_path):
+    """As on Windows and macOS."""
+    ours, llvm = FORMULA.format(set=""), FORMULA.format(set="; machine_code.AVAILABLE = False")
+    *first, compiler = run(ours, tmp_path / "ours").split()
+    assert compiler == "True" and run(ours, tmp_path / "ours").split() == [*first, "False"]
+    for _ in range(2):
+        assert run(llvm, tmp_path / "llvm").split() == [*first, "True"]
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not machine_code.AVAILABLE, reason="LLVM loads all code on this platform")
+def test_lamps_with_trees_are_built_without_the_compiler(tmp_path):
+    code = (
+        "import sys, numpy as np; from sdf_lights.emitter import build_lamp; "
+        "from sdf_lights.sdf.shapes import Box, Difference, Sphere; "
+        "lamp = build_lamp('Lamp', Difference((Box(), Sphere(0.6))), np.eye(4)); "
+        "print(len(lamp.program), 'numba' in sys.modules or 'llvmlite' in sys.modules)"
+    )
+    count, compiler = run(code, tmp_path).split()
+    assert compiler == "True" and run(code, tmp_path).split() == [count, "False"]

@@ -45,7 +45,7 @@ def random_samples(count, film, seed=0):
     return samples
 
 
-@kernel(cache=False)
+@kernel
 def _add(block, workspace, samples, x0, y0, x1, y1, first):
     for y in range(y0, y1):
         for x in range(x0, x1):

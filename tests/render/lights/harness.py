@@ -94,7 +94,7 @@ def irradiance(packed, emitter, x, n, side=256):
     return value.mean()
 
 
-@kernel(cache=False)
+@kernel
 def _sample(blocks, emitter, x, n, u, wi, distance, radiance, pdf, singular):
     for i in range(len(u)):
         w, distance[i], r, pdf[i], singular[i] = lights.sample_light(blocks[0], emitter, x, n, u[i, 0], u[i, 1])
@@ -102,7 +102,7 @@ def _sample(blocks, emitter, x, n, u, wi, distance, radiance, pdf, singular):
         radiance[i, 0], radiance[i, 1], radiance[i, 2] = r
 
 
-@kernel(cache=False)
+@kernel
 def _hits(blocks, emitter, x, d, t_max, kind, rows, out):
     for i in range(len(d)):
         for j in range(lights.light_hits(blocks[0], 0, x, (d[i, 0], d[i, 1], d[i, 2]), t_max, kind, rows)):
@@ -111,19 +111,19 @@ def _hits(blocks, emitter, x, d, t_max, kind, rows, out):
                 out[i, 1], out[i, 2], out[i, 3] = rows[j].radiance[0], rows[j].radiance[1], rows[j].radiance[2]
 
 
-@kernel(cache=False)
+@kernel
 def _select(blocks, x, n, u, cuts, out):
     for i in range(len(u)):
         out[i, 0], out[i, 1], out[i, 2] = lights.select(blocks[0], 0, x, n, u[i], cuts[0])
 
 
-@kernel(cache=False)
+@kernel
 def _probabilities(blocks, x, n, cuts, out):
     for i in range(len(out)):
         out[i] = lights.selection_probability(blocks[0], 0, x, n, i, cuts[0])
 
 
-@kernel(cache=False)
+@kernel
 def _world(blocks, x, n, d, radiance, pdf):
     for i in range(len(d)):
         direction = (d[i, 0], d[i, 1], d[i, 2])

@@ -56,7 +56,7 @@ def test_rays_see_the_lights_that_are_visible_to_their_kind():
     assert packed.hits(0, ORIGIN, ABOVE, kind=int(Ray.DIFFUSE))[2] > 0.0
 
 
-@kernel(cache=False)
+@kernel
 def _flags(blocks, emitter):
     block = blocks[0]
     return (

@@ -45,7 +45,7 @@ def ray_triangle(corners, x, d):
     return np.where(inside & (t > 0.0), t, np.nan)
 
 
-@kernel(cache=False)
+@kernel
 def _pdfs(blocks, x, emitter, d, distance, out):
     for i in range(len(d)):
         out[i] = lights.triangle_pdf(blocks[0], x, emitter, (d[i, 0], d[i, 1], d[i, 2]), distance[i])
@@ -150,12 +150,12 @@ def test_degenerate_views_give_finite_numbers(corners, x):
     assert np.isfinite(out).all()
 
 
-@kernel(cache=False)
+@kernel
 def _emitter(blocks, instance, primitive):
     return lights.triangle_emitter(blocks[0], instance, primitive)
 
 
-@kernel(cache=False)
+@kernel
 def _point(blocks, x, emitter, d):
     return lights.triangle_textured(blocks[0], emitter), lights.triangle_point(blocks[0], x, emitter, d)
 

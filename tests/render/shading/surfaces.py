@@ -33,7 +33,7 @@ SCATTERED = DIFFUSE | GLOSSY | TRANSMISSION
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
-@kernel(cache=False)
+@kernel
 def _draw(block, workspace, u, wi, value, pdf, kind):
     for i in range(len(u)):
         d, f, pdf[i], _, kind[i] = sample(block, workspace, u[i, 0], u[i, 1], u[i, 2])
@@ -42,7 +42,7 @@ def _draw(block, workspace, u, wi, value, pdf, kind):
             value[i, axis] = f[axis]
 
 
-@kernel(cache=False)
+@kernel
 def _evaluate(block, workspace, wi, value, pdf):
     for i in range(len(wi)):
         f, pdf[i], _ = evaluate(block, workspace, (wi[i, 0], wi[i, 1], wi[i, 2]), SCATTERED)
@@ -50,7 +50,7 @@ def _evaluate(block, workspace, wi, value, pdf):
             value[i, axis] = f[axis]
 
 
-@kernel(cache=False)
+@kernel
 def _shade_sphere(block, workspace, p, d):
     """Shade the point p of a unit sphere, which a ray of direction d has met."""
     surface = surface_table(workspace)[0]
@@ -64,7 +64,7 @@ def _shade_sphere(block, workspace, p, d):
     shade(block, workspace)
 
 
-@kernel(cache=False)
+@kernel
 def _sphere_radiance(block, workspace, x, y):
     """Radiance along −z through (x, y) of a unit sphere in a world of radiance 1."""
     surface = surface_table(workspace)[0]
@@ -83,7 +83,7 @@ def _sphere_radiance(block, workspace, x, y):
     return radiance
 
 
-@kernel(cache=False)
+@kernel
 def _lit_radiance(block, workspace, x, y, wi):
     """The same of a sphere that a sun of irradiance π lights from wi, after one reflection."""
     p = (x, y, math.sqrt(1.0 - x * x - y * y))
@@ -94,7 +94,7 @@ def _lit_radiance(block, workspace, x, y, wi):
     return scale(value, math.pi)
 
 
-@kernel(cache=False)
+@kernel
 def _sphere(block, workspace, count, seed, wi):
     np.random.seed(seed)
     total = (0.0, 0.0, 0.0)
