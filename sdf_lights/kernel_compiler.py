@@ -135,8 +135,10 @@ class _Entry(_Library):
                 found = [other for other in library._linking_libraries if other not in reached]
                 reached |= dict.fromkeys(found)
                 pending += found
-        reached.setdefault(rtsys.library)  # reference counts, so that the code needs no other code of Numba's generator
-        self._linking_libraries = list(reached)
+        # Reference counts, so that the code needs no other code of Numba's generator. They come last: LLVM links of such functions
+        # only those that the code names already.
+        reached.pop(rtsys.library, None)
+        self._linking_libraries = [*reached, rtsys.library]
         super().finalize()
 
 
