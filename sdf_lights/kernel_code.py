@@ -134,8 +134,8 @@ class Stored(NamedTuple):
 
     code: tuple | bytes  # a ``machine_code.Image``, or an object file where that module cannot load one
     symbol: str  # of the function that is called
-    # What the code needs of Python: (symbol, pickled constants), of the entry first. Without constants: b"".
-    environments: list[tuple[str, bytes]]
+    # What the code needs of Python: (symbol, constants), of the entry first.
+    environments: list[tuple[str, tuple]]
 
 
 def stored_code(code: bytes, symbols: tuple[str, ...]) -> tuple | bytes:

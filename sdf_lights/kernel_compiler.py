@@ -19,7 +19,6 @@ from numba.core.compiler import Compiler
 from numba.core.compiler_machinery import PassManager
 from numba.core.registry import CPUDispatcher, cpu_target
 from numba.core.runtime import rtsys
-from numba.core.serialize import dumps
 from numba.core.typed_passes import (
     AnnotateTypes,
     IRLegalization,
@@ -230,7 +229,7 @@ class _CFunction(CFunc):
 def _stored(result, symbol: str) -> Stored:
     others = [each for each in result._find_referenced_environments() if each is not result.environment and each.consts]
     environments = [
-        (each.env_name, dumps(each.consts) if each.consts else b"") for each in (result.environment, *others)
+        (each.env_name, tuple(each.consts)) for each in (result.environment, *others)
     ]
     code = stored_code(result.library._get_compiled_object(), (symbol, *(name for name, _ in environments)))
     return Stored(code, symbol, environments)

@@ -13,7 +13,6 @@ import ctypes
 import hashlib
 import importlib
 import pathlib
-import pickle
 import platform
 import sys
 from collections.abc import Callable, Mapping
@@ -62,7 +61,7 @@ def function(stored: Stored, python) -> Callable:
     made = []
     for symbol, constants in stored.environments:
         environment = dynfunc.Environment(python.__globals__)
-        environment.consts.extend(pickle.loads(constants) if constants else ())
+        environment.consts.extend(constants)
         ctypes.c_void_p.from_address(code.address(symbol)).value = id(environment)
         made.append(environment)
     module = importlib.import_module(python.__module__)

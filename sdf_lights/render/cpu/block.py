@@ -159,8 +159,8 @@ class PackedScene:
             self._bare.block["outputs"] = 0
         self._show(np.array([int(scene.lamps[index].visibility) for index in self._built], np.int64))
         self._fill(camera.pack_camera(scene), camera.camera_scalars(scene))
-        self.set_film(scene, film)
         self._fill({}, integrator_scalars(scene, self._flags, self._tables))
+        self.set_film(scene, film)
         self._fill({}, media.camera_scalars(scene.camera, self._tables["media_bounds"], scene, *self._boxes))
         if self._external is external.NONE and scene.settings.lamp_sampling is LampSampling.EXTERNAL:
             self._external = self._pack_external([scene.lamps[index] for index in self._built])
