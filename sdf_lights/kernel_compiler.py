@@ -228,9 +228,7 @@ class _CFunction(CFunc):
 
 def _stored(result, symbol: str) -> Stored:
     others = [each for each in result._find_referenced_environments() if each is not result.environment and each.consts]
-    environments = [
-        (each.env_name, tuple(each.consts)) for each in (result.environment, *others)
-    ]
+    environments = [(each.env_name, tuple(each.consts)) for each in (result.environment, *others)]
     code = stored_code(result.library._get_compiled_object(), (symbol, *(name for name, _ in environments)))
     return Stored(code, symbol, environments)
 
