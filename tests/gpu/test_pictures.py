@@ -19,7 +19,7 @@ from sdf_lights import jit
 from sdf_lights.render.film import NO_DEPTH, Film
 from sdf_lights.render.material import Node
 from sdf_lights.render.scene import Primitive, World
-from sdf_lights.render.settings import LampSampling
+from sdf_lights.render.settings import LampPaths, LampSampling, Settings
 from support import media_scenes, scenes, strand_scenes
 from support.blocks import means
 from tests.gpu.support import device_or_skip
@@ -33,16 +33,18 @@ APART = ("torus_room", "subsurface", "fog_lamp", "fur", "moving", "rolling")
 SCENES = scenes.SCENES | media_scenes.MEDIA_SCENES | strand_scenes.STRAND_SCENES
 
 
+def sample_as_on_the_gpu(settings: Settings) -> None:
+    """Without what only the CPU does: then both use the same random numbers."""
+    settings.indirect_paths, settings.guided_samples, settings.lamp_paths = 1, False, LampPaths.NEVER
+
+
 def pictures(renderer, name: str, sampling: LampSampling, bounces: int | None = None) -> dict[str, np.ndarray]:
     """Every pass: (seeds, height, width, channels)."""
     found = {item: [] for item in PASSES}
     for seed in range(SEEDS):
         scene = SCENES[name](32, 24)
         scene.settings.seed, scene.settings.lamp_sampling = 100 + seed, sampling
-        scene.settings.indirect_paths, scene.settings.guided_samples = (
-            1,
-            False,
-        )  # as on the GPU, with the same random numbers
+        sample_as_on_the_gpu(scene.settings)
         if bounces is not None:
             scene.settings.max_bounces = bounces
         film = Film(scene, PASSES)
@@ -151,7 +153,7 @@ def compare_samples(make, passes: tuple[str, ...] = ("Combined",), most: float =
     for renderer in (CpuRenderer, GpuRenderer):
         scene = make()
         scene.settings.lamp_sampling = LampSampling.MIS
-        scene.settings.indirect_paths, scene.settings.guided_samples = 1, False
+        sample_as_on_the_gpu(scene.settings)
         film = Film(scene, passes)
         back_end = renderer(scene, film, lambda: False, lambda text: None)
         assert back_end.sample(0, SAMPLES, lambda: False, lambda part: None)
