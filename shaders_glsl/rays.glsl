@@ -243,6 +243,7 @@ bool hit_scene(inout Record_ray ray, vec3 o, vec3 d, float t_min, float t_max, i
 // As hit_scene, with only one instance.
 bool hit_instance(inout Record_ray ray, vec3 o, vec3 d, float t_min, float t_max, int instance)
 {
+    ray.id = 0u;  // it may leave through the triangle that it came in by
     alone = instance;
     bool found = hit_scene(ray, o, d, t_min, t_max, 0, false);
     alone = -1;
