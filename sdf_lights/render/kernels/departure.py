@@ -9,8 +9,6 @@ rounding forbids that, the origin is offset along the normal, as in pbrt.
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from ...jit import Callback, kernel, table
@@ -117,6 +115,7 @@ def exact_origin(position, edge1, edge2, u, v):
     normal, edge3 = cross(edge1, edge2), sub(edge2, edge1)
     longest = max(dot(edge1, edge1), dot(edge2, edge2), dot(edge3, edge3))
     # Embree subtracts the ray's origin from the corners, so a long edge is rounded as a far position is.
-    rounding = _ROUNDINGS * 2.0**-6 * max(step_size(position), OFFSET * math.sqrt(longest))
+    far = step_size(position) * step_size(position)
+    rounding2 = _ROUNDINGS * _ROUNDINGS * 2.0**-12 * max(far, OFFSET * OFFSET * longest)
     least = min(u, v, 1.0 - u - v)
-    return 1 if least > 0.0 and rounding * rounding * longest < least * least * dot(normal, normal) else 0
+    return 1 if least > 0.0 and rounding2 * longest < least * least * dot(normal, normal) else 0
