@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....jit import CallablePart
+from .. import callable_parts
 from . import apart, connections, tree
 
 KERNELS = {
@@ -17,16 +17,9 @@ KERNELS = {
     apart.WEIGH: connections.weigh,
 }
 
-_parts: dict[tuple, CallablePart] = {}
-
 
 def addresses(has_light_paths: bool, records: tuple) -> np.ndarray:
-    """The table "light_path_code", for blocks and workspaces of these ``records``. What it points at is kept for good."""
-    table = np.zeros(len(apart.PLACES), np.int64)
-    if has_light_paths:
-        for place, kernel in KERNELS.items():
-            key = place, tuple(map(str, records))
-            if key not in _parts:
-                _parts[key] = CallablePart(kernel, (), 1, records)
-            table[place] = _parts[key].address
-    return table
+    """The table "light_path_code", for blocks and workspaces of these ``records``."""
+    return callable_parts.addresses(
+        {place: (kernel, 1) for place, kernel in KERNELS.items()} if has_light_paths else {}, len(apart.PLACES), records
+    )

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....jit import CallablePart
+from .. import callable_parts
 from . import apart, light_rays, stack, travel
 
 # By index: the kernel, and its number of arguments.
@@ -19,16 +19,7 @@ KERNELS = {
     apart.SEEN_LAMP: (light_rays.seen_lamp, 4),
 }
 
-_parts: dict[tuple, CallablePart] = {}
-
 
 def addresses(has_media: bool, records: tuple) -> np.ndarray:
-    """The table "media_code", for blocks and workspaces of these ``records``. The code is kept for ever."""
-    table = np.zeros(len(apart.PLACES), np.int64)
-    if has_media:
-        for place, (kernel, count) in KERNELS.items():
-            key = place, tuple(map(str, records))
-            if key not in _parts:
-                _parts[key] = CallablePart(kernel, (), count, records)
-            table[place] = _parts[key].address
-    return table
+    """The table "media_code", for blocks and workspaces of these ``records``."""
+    return callable_parts.addresses(KERNELS if has_media else {}, len(apart.PLACES), records)

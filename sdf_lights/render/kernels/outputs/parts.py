@@ -8,13 +8,13 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ....jit import CallablePart
 from ...cryptomatte import number_of
 from ...film import CAUGHT_LIGHT, Film
 from ...material import UV
 from ...passes import BY_NAME, DATA_SUMS, LIGHT_SUMS, Rule, aov_sources, light_group_pass
 from ...passes import MATTES as MATTES_BY_KIND
 from ...scene import Emitter, Scene
+from .. import callable_parts
 from . import apart, catchers, data, light, sums, vectors
 from .records import CATCHERS, DATA, INSTANCE_MATTE, LIGHT, LOBES, MATTES, MOST_HITS, VECTORS
 from .state import LIGHT_RAY
@@ -33,7 +33,6 @@ KERNELS: dict[int, tuple[int, Callable, int]] = {
     apart.VECTOR: (VECTORS, vectors.add_vector, 1),
     apart.BACKGROUND: (VECTORS, vectors.add_background_vector, 1),
 }
-_parts: dict[tuple, CallablePart] = {}
 
 
 def bits_of(film: Film) -> int:
@@ -55,14 +54,8 @@ def compile_all(records: tuple) -> None:
 
 
 def _addresses(bits: int, records: tuple) -> np.ndarray:
-    code = np.zeros(len(apart.PLACES), np.int64)
-    for place, (needed, kernel, count) in KERNELS.items():
-        if bits & needed:
-            key = place, tuple(map(str, records))
-            if key not in _parts:
-                _parts[key] = CallablePart(kernel, (), count, records)
-            code[place] = _parts[key].address
-    return code
+    needed = {place: (kernel, count) for place, (some, kernel, count) in KERNELS.items() if bits & some}
+    return callable_parts.addresses(needed, len(apart.PLACES), records)
 
 
 def pack(

@@ -6,18 +6,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....jit import CallablePart
+from .. import callable_parts
 from . import apart, surface
-
-_parts: dict[tuple, CallablePart] = {}
 
 
 def addresses(has_strands: bool, records: tuple) -> np.ndarray:
-    """The table "strand_code", for blocks and workspaces of these ``records``. The code is kept for ever."""
-    table = np.zeros(len(apart.PLACES), np.int64)
-    if has_strands:
-        key = tuple(map(str, records))
-        if key not in _parts:
-            _parts[key] = CallablePart(surface.fill, (), 6, records)
-        table[apart.FILL] = _parts[key].address
-    return table
+    """The table "strand_code", for blocks and workspaces of these ``records``."""
+    return callable_parts.addresses({apart.FILL: (surface.fill, 6)} if has_strands else {}, len(apart.PLACES), records)
