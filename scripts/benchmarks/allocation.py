@@ -82,8 +82,9 @@ def _without(values: dict) -> Iterator[None]:
             setattr(module, name, value)
 
 
-def _open(name: str, size: int) -> bpy.types.Scene:
-    if name in ORDINARY:
+def build(name: str, size: int) -> bpy.types.Scene:
+    """A scene of lamps or of artists, of this name."""
+    if name not in lamp_scenes.SCENES:
         return artist_scenes.build(name, size)
     lamp_scenes.SCENES[name].build(size)
     lamp_scenes.show()
@@ -105,7 +106,7 @@ def _render(name: str, scene, term: str, samples: int, seed: int, device: str) -
 
 def measure(name: str, terms: list[str], options) -> list[dict]:
     """A row for each term, of one scene."""
-    scene = _open(name, QUICK_SIZE if options.quick else SIZE)
+    scene = build(name, QUICK_SIZE if options.quick else SIZE)
     samples = QUICK_SAMPLES if options.quick else SAMPLES
     seeds = options.repeats or (QUICK_SEEDS if options.quick else SEEDS)
     variants = [ALL, *terms]

@@ -11,16 +11,13 @@ from __future__ import annotations
 
 import statistics
 
-import bpy
 import numpy as np
 
 from . import (
     allocation,
-    artist_scenes,
     beside_cycles,
     errors,
     indirect_rooms,
-    lamp_scenes,
     pictures,
     simple_scenes,
     some_of,
@@ -48,16 +45,6 @@ def arguments(parser) -> None:
     )
 
 
-def _open(name: str, size: int) -> bpy.types.Scene:
-    if name in ROOMS:
-        return indirect_rooms.build(name, size)
-    if name in ORDINARY:
-        return artist_scenes.build(name, size)
-    lamp_scenes.SCENES[name].build(size)
-    lamp_scenes.show()
-    return bpy.context.scene
-
-
 def _render(name: str, scene, variant: str, samples: int, seed: int, device: str) -> pictures.Picture:
     if name in ORDINARY:
         beside_cycles.settings(scene, beside_cycles.GUIDED, samples, seed, device)
@@ -71,7 +58,8 @@ def _render(name: str, scene, variant: str, samples: int, seed: int, device: str
 
 def measure(name: str, options) -> dict:
     """The row of a scene."""
-    scene = _open(name, QUICK_SIZE if options.quick else SIZE)
+    build = indirect_rooms.build if name in ROOMS else allocation.build
+    scene = build(name, QUICK_SIZE if options.quick else SIZE)
     samples = QUICK_SAMPLES if options.quick else SAMPLES
     seeds = max(options.repeats or (QUICK_SEEDS if options.quick else SEEDS), 2)
     for variant in (WITHOUT, AUTOMATIC):
