@@ -11,6 +11,7 @@ import numpy as np
 from ...jit import address_of_record, call_surface_code, fill_table, kernel, table
 from ...vec import madd, mul, negate, put
 from . import camera, lights, textures
+from .path import path_table, put_depths
 from .shading.graphs import Graphs
 from .shading.material_compiler import EMISSION, NO_GRAPH
 from .shading.operands import run
@@ -56,8 +57,7 @@ def modulated(block, workspace, emitter, radiance, x, wi, distance, kind):
     surface.ray_kind = kind
     surface.ray_singular = 0
     surface.ray_length = 0.0 if distance == math.inf else distance
-    for index in range(5):
-        surface.depth[index] = 0
+    put_depths(path_table(workspace)[0], surface)
     run(block, secondary, record.graph, record.slots)
     registers = _registers(secondary)
     return mul(radiance, (registers[0], registers[1], registers[2]))

@@ -35,6 +35,7 @@ from .path import (
     SCATTER_SET,
     VERTEX_SETS,
     path_table,
+    put_depths,
     sample_table,
     uncover,
 )
@@ -303,11 +304,7 @@ def describe_ray(path, surface):
     """Tell the surface of the ray that has met it, as the Light Path node asks for it."""
     surface.ray_length = path.length - path.near
     surface.ray_singular = int(path.pdf <= 0.0 and path.kind != CAMERA)
-    surface.depth[0] = path.bounce
-    surface.depth[1] = path.diffuse
-    surface.depth[2] = path.glossy
-    surface.depth[3] = path.transmission
-    surface.depth[4] = path.transparent
+    put_depths(path, surface)
 
 
 @kernel
@@ -331,9 +328,8 @@ def shade_and_scatter(block, workspace, whole):
             return GOES_ON
     wo = vec(path.direction) if exits else negate(vec(path.direction))
     find_surface(block, workspace, wo, path.kind, t_to * block.camera_pixel_angle + block.camera_pixel_width)
-    if not exits and instance_table(block)[surface.instance].holdout:
-        if path.kind == CAMERA:
-            uncover(workspace, 1.0)
+    if path.kind == CAMERA and instance_table(block)[surface.instance].holdout:
+        uncover(workspace, 1.0)
         return ENDS
     if block.outputs & CATCHERS and path.kind == CAMERA and instance_table(block)[surface.instance].catcher:
         outputs.catch(block, workspace)

@@ -23,7 +23,7 @@ from .media import apart as media
 from .outputs import apart as outputs
 from .outputs.records import LOBES
 from .outputs.state import LIGHT_RAY
-from .path import LIGHT_SET, contribute, path_table, sample_table
+from .path import LIGHT_SET, contribute, path_table, put_depths, sample_table
 from .samplers import get_4d
 from .shading import evaluate, has_lobes, shade, transmits
 from .shading.records import DIFFUSE, GLOSSY, TRANSMISSION
@@ -55,8 +55,7 @@ def shade_triangle(block, workspace, emitter, x, wi, distance):
     surface_at(block, surface, np.int64(instance), np.int64(primitive), u, v, negate(wi), NO_RAY, 0.0)
     surface.ray_length = distance
     surface.ray_singular = 0
-    for index in range(5):
-        surface.depth[index] = 0
+    put_depths(path_table(workspace)[0], surface)
     shade(block, secondary)
     return vec(surface.emission)
 
@@ -140,9 +139,10 @@ def divide_light(block, workspace, wi, emitter):
 
 
 @kernel
-def look(block, workspace, ng, wi):
-    """Tell the media that a light ray starts at the surface along wi."""
-    media.bounds(block, workspace, media.LOOK_THROUGH if dot(ng, wi) < 0.0 else media.LOOK)
+def look(block, workspace, n, wi):
+    """Tell the media that a light ray starts at the surface along wi. Below its shading normal n is inside, as in Cycles:
+    smooth surfaces are lit from directions below their triangles, too."""
+    media.bounds(block, workspace, media.LOOK_THROUGH if dot(n, wi) < 0.0 else media.LOOK)
 
 
 @replaced_on_gpu
@@ -167,7 +167,7 @@ def light_lamp(block, workspace, lamp, pmf, u, u1, u2, u3):
             return
         start = light_start(block, workspace, wi)
         if block.has_media:
-            look(block, workspace, vec(surface.ng), wi)
+            look(block, workspace, n, wi)
         to_point, t_max = shadow_ray(x, start, wi, distance)
         weight = mul(weight, transmittance(block, workspace, start, to_point, t_max, lights.blockers(block, lamp)))
         if largest(weight) > 0.0:
@@ -186,7 +186,7 @@ def light_lamp(block, workspace, lamp, pmf, u, u1, u2, u3):
     rival = rival_density(cut, pdf, glossy_pdf) if competes(block, lamp) else 0.0
     pdf_sum = pmf * lamp_density(block, workspace, lamp, x, wi, count) + rival
     if block.has_media:
-        look(block, workspace, vec(surface.ng), wi)
+        look(block, workspace, n, wi)
     radiance = visible_lamp(block, workspace, lamp, x, wi, spans, count, light_start(block, workspace, wi), u)
     if largest(radiance) > 0.0:
         divide_light(block, workspace, wi, lamp)
@@ -198,7 +198,7 @@ def light_vertex(block, workspace):
     """Next event estimation at ``workspace.surface``: one ray towards one emitter."""
     path = path_table(workspace)[0]
     surface = surface_table(workspace)[0]
-    x, n, ng = vec(surface.position), vec(surface.n), vec(surface.ng)
+    x, n = vec(surface.position), vec(surface.n)
     path.two_sided, path.has_glossy, path.scattered = int(transmits(workspace)), int(has_lobes(workspace)), path.bounce
     path.light_tree = lights.tree_of(block, surface.instance)
     cut_of(workspace).lamp = -1
@@ -219,7 +219,7 @@ def light_vertex(block, workspace):
     start = light_start(block, workspace, wi)
     if lights.casts_shadow(block, emitter):
         if block.has_media:
-            look(block, workspace, ng, wi)
+            look(block, workspace, n, wi)
         to_light, t_max = shadow_ray(x, start, wi, distance)
         weight = mul(weight, transmittance(block, workspace, start, to_light, t_max, lights.blockers(block, emitter)))
         if largest(weight) <= 0.0:

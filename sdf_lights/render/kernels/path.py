@@ -181,6 +181,16 @@ def show_environment(workspace, radiance):
 
 
 @kernel
+def put_depths(path, surface):
+    """Tell a surface, or a light, how often the path has scattered so far."""
+    surface.depth[0] = path.bounce
+    surface.depth[1] = path.diffuse
+    surface.depth[2] = path.glossy
+    surface.depth[3] = path.transmission
+    surface.depth[4] = path.transparent
+
+
+@kernel
 def uncover(workspace, part):
     """Subtract from the sample's alpha where the camera sees nothing behind."""
     sample = sample_table(workspace)[0]

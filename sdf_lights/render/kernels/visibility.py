@@ -14,10 +14,10 @@ from . import lights
 from .departure import step_size
 from .geometry import find_shadow_surface, shading_material_table
 from .media import apart
-from .path import path_table
+from .path import path_table, put_depths
 from .rays import OFFSET, TRANSPARENT_PLACES, beyond, intersect, occluded, ray_table, start_anew
 from .shading import transparency
-from .shading.records import HAS_TRANSPARENCY
+from .shading.records import HAS_TRANSPARENCY, NEEDS_RAY, surface_table
 from .workspace import secondary_table
 
 BLACK = (0.0, 0.0, 0.0)
@@ -77,9 +77,15 @@ def pass_through(block, workspace, direction):
     """Transparency (RGB) of the surface that a shadow ray has hit."""
     secondary = secondary_table(workspace)[0]  # the path's own surface is still needed
     material = find_shadow_surface(block, workspace, secondary, negate(direction))
-    if shading_material_table(block)[material].flags & HAS_TRANSPARENCY:
-        return transparency(block, secondary)
-    return BLACK
+    flags = shading_material_table(block)[material].flags
+    if not flags & HAS_TRANSPARENCY:
+        return BLACK
+    if flags & NEEDS_RAY:
+        surface = surface_table(secondary)[0]
+        surface.ray_length = float(ray_table(workspace)[0].t_far)
+        surface.ray_singular = 0
+        put_depths(path_table(workspace)[0], surface)
+    return transparency(block, secondary)
 
 
 @kernel

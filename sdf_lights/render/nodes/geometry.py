@@ -37,8 +37,17 @@ def attribute(node: NodeInputs, found: Attribute, function: Function = lookups.A
 
 
 def generated(node: NodeInputs) -> Vector:
-    """Generated texture coordinates: the bounding box of the undeformed mesh is [0, 1]³."""
+    """Generated texture coordinates: the bounding box of the undeformed mesh is [0, 1]³. Lights have no mesh: theirs are
+    object coordinates, as in Cycles."""
+    if node.setting("domain") == "LIGHT":
+        return in_object(node)
     return as_vector(attribute(node, Attribute("generated")))
+
+
+def in_object(node: NodeInputs) -> Vector:
+    """The point in the space of the object, or of the light."""
+    matrix = node.setting("light_matrix")
+    return to_object(POSITION) if matrix is None else transformed(node, matrix, POSITION)
 
 
 def uv(node: NodeInputs, name: str = "") -> Vector:
@@ -83,15 +92,14 @@ def texture_coordinate(node: NodeInputs):
         results["Generated"] = (
             as_vector(attribute(node, Attribute("instancer_generated"))) if instanced else generated(node)
         )
-    light = node.setting("light_matrix")
     if "Normal" in node.wanted:
         turn = node.setting("light_normals")
         results["Normal"] = to_object(NORMAL, "NORMAL") if turn is None else transformed_normal(node, turn, NORMAL)
     if "UV" in node.wanted:
         results["UV"] = as_vector(attribute(node, Attribute("instancer_uv"))) if instanced else uv(node)
     if "Object" in node.wanted:
-        matrix = light if node.setting("object_matrix") is None else node.setting("object_matrix")
-        results["Object"] = to_object(POSITION) if matrix is None else transformed(node, matrix, POSITION)
+        matrix = node.setting("object_matrix")
+        results["Object"] = in_object(node) if matrix is None else transformed(node, matrix, POSITION)
     if "Camera" in node.wanted:
         results["Camera"] = as_vector(call(lookups.TO_CAMERA["POINT"], *POSITION))
     if "Window" in node.wanted:

@@ -26,7 +26,9 @@ def _distance() -> Formula:
 @defines("ShaderNodeLightPath")
 def light_path(node: NodeInputs):
     """All outputs. Rays through translucent surfaces count as glossy, like those through glass."""
-    camera, shadow, diffuse, transmission = map(_is, (Ray.CAMERA, Ray.SHADOW, Ray.DIFFUSE, Ray.TRANSMISSION))
+    camera, shadow, diffuse, transmission, volume = map(
+        _is, (Ray.CAMERA, Ray.SHADOW, Ray.DIFFUSE, Ray.TRANSMISSION, Ray.VOLUME)
+    )
     glossy = maximum(_is(Ray.GLOSSY), transmission)
     reflection = minimum(maximum(diffuse, _is(Ray.GLOSSY)), 1.0 - transmission)
     # Cycles counts one more bounce for sampled light, shadow rays, and rays to the world and to lights.
@@ -42,7 +44,7 @@ def light_path(node: NodeInputs):
         "Is Singular Ray": RAY_SINGULAR,
         "Is Reflection Ray": reflection,
         "Is Transmission Ray": transmission,
-        "Is Volume Scatter Ray": constant(0.0),
+        "Is Volume Scatter Ray": volume,
         "Ray Length": _distance(),
         "Ray Depth": depth + further,
         "Diffuse Depth": diffuse_depth,

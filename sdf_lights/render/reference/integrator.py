@@ -301,7 +301,7 @@ class Integrator:
         surface.ray_singular = (paths.pdf <= 0.0) & (paths.kind != Ray.CAMERA)
 
         camera = paths.kind == Ray.CAMERA
-        held = self.holdout[surface.instance]
+        held = camera & self.holdout[surface.instance]
         shading = self.materials.shade(surface, end * self.camera.pixel_angle + self.camera.pixel_width, rng)
         shading.darken_microfacets(
             paths.kind == Ray.DIFFUSE, self.settings.caustics_reflective, self.settings.caustics_refractive
@@ -481,6 +481,7 @@ class Integrator:
             if hits is not None:
                 hits = Hits(*(array[rows] for array in vars(hits).values()))
                 lit = self.geometry.surface(hits, wi)
+                lit.depth = paths.bounces
                 radiance = self.materials.shade(lit, np.zeros(count)).emission
                 # The ray starts an offset away from x, which brings a triangle seen at a grazing angle nearer by more than that.
                 end = distance - 4.0 * self.geometry.epsilon / np.maximum(np.abs(dot(lit.ng, wi)), 1e-5)
@@ -540,7 +541,7 @@ class Integrator:
         left = np.maximum(self.settings.transparent_bounces - paths.bounces[:, 4], 0)
         inside, media = paths.inside, self.media
         if media.count and len(surface.instance) and (surface.instance >= 0).all():
-            inside = media.crossed(inside, surface, dot(surface.ng, wi) < 0.0)
+            inside = media.crossed(inside, surface, dot(surface.ns, wi) < 0.0)
         while len(alive):
             mask = np.full(len(alive), int(Ray.SHADOW))
             hits = self.geometry.intersect(start[alive], wi[alive], (end - near)[alive], mask)

@@ -22,7 +22,7 @@ from ....jit import kernel
 from ....vec import ZERO, add, average, dot, largest, length, madd, mul, negate, put, scale, sub, vec
 from ..camera import camera_ray
 from ..departure import clear_self_primitive, offset_ray_origin, spawn_ray
-from ..geometry import find_surface, instance_table, surface_at, surface_table
+from ..geometry import find_surface, surface_at, surface_table
 from ..rays import SHADOW_OPAQUE, beyond, hit_instance, intersect, occluded, ray_table, start_anew
 from ..samplers import get_2d, get_3d, get_4d, pixel_seed
 from ..shading import evaluate, sample, shade
@@ -168,8 +168,6 @@ def _trace(block, workspace, index, total, seed, raw, first, width):
             dimension += BOUNCE_SETS
         instance, primitive, u, v = hit_instance(ray), np.int64(ray.primitive), float(ray.u), float(ray.v)
         wi = negate(direction)
-        if instance_table(block)[instance].holdout:
-            return count
         find_surface(block, workspace, wi, DIFFUSE, 0.0)
         shade(block, workspace)
         position, ng = vec(surface.position), vec(surface.ng)
