@@ -16,7 +16,7 @@ import numpy as np
 from ..errors import RenderError
 from ..kernels.departure import SHAPE, filter_address
 from ..kernels.lights import shadow_bits
-from ..kernels.rays import NONE, masks_of, world_positions
+from ..kernels.rays import NONE, QUERY, masks_of, world_positions
 from ..libraries import load_embree
 from ..scene import Mesh, Primitive, Scene
 from ..strands import EMBREE_TYPES, Buffers, baked_instances, buffers, strand_of, tessellation
@@ -46,8 +46,6 @@ class _Api:
         "rtcSetGeometryTimeStepCount": (None, "pu"),
         "rtcSetGeometryTessellationRate": (None, "pf"),
         "rtcSetGeometryUserData": (None, "pp"),
-        "rtcSetGeometryIntersectFilterFunction": (None, "pp"),
-        "rtcSetGeometryOccludedFilterFunction": (None, "pp"),
     }
     _TYPES = {
         "p": ctypes.c_void_p,
@@ -74,7 +72,8 @@ class _Api:
 _TRIANGLES, _INSTANCE = 0, 121
 _INDEX_BUFFER, _VERTEX_BUFFER = 0, 1
 _UINT, _UINT3, _FLOAT3, _FLOAT4, _FLOAT3X4_ROW_MAJOR = 0x5001, 0x5003, 0x9003, 0x9004, 0x9134
-_ROBUST = 4
+_ROBUST, _FILTER_IN_ARGUMENTS = 4, 8
+_INVOKE_ARGUMENT_FILTER, _ALL_FEATURES = 2, 0xFFFFFFFF
 
 
 class _Device:
@@ -102,7 +101,7 @@ class _EmbreeScene:
         api.rtcRetainDevice(device.handle)
         self.handle = api.rtcNewScene(device.handle)
         self.arrays: list = []
-        api.rtcSetSceneFlags(self.handle, _ROBUST)
+        api.rtcSetSceneFlags(self.handle, _ROBUST | _FILTER_IN_ARGUMENTS)
         api.rtcSetSceneBuildQuality(self.handle, 1)
 
     def __del__(self):
@@ -141,6 +140,9 @@ class Accelerator:
         self._api = api = _Api() if before is None else before._api
         self._device = _Device(api) if before is None else before._device
         self._keep, self._scenes = [], []
+        self._query = np.zeros(1, QUERY)
+        self._query["flags"], self._query["features"] = _INVOKE_ARGUMENT_FILTER, _ALL_FEATURES
+        self._query["filter"] = filter_address()
         self._signature = _signature(scene, transparent, deep)
         self._inner: dict[tuple, _EmbreeScene] = {}
         self.baked = baked_instances(scene)
@@ -198,6 +200,7 @@ class Accelerator:
         block["embree_scene"] = self.scene
         block["rtc_intersect"] = self._api.address("rtcIntersect1")
         block["rtc_occluded"] = self._api.address("rtcOccluded1")
+        block["filtered_query"] = self._query.ctypes.data
 
     def serves(self, scene: Scene, transparent: np.ndarray, deep: np.ndarray | None) -> bool:
         """Whether these structures are valid for this scene, too."""
@@ -210,13 +213,9 @@ class Accelerator:
     def _geometry(self, mesh: Mesh, matrix: np.ndarray | None = None) -> int:
         """The geometry of a mesh, in world space by ``matrix``, or in local space."""
         if mesh.primitive != Primitive.TRIANGLES:
-            geometry = self._strands(mesh, buffers(mesh, matrix))
-        else:
-            forms = [form if matrix is None else world_positions(form, matrix) for form in _forms(mesh)]
-            geometry = self._triangles(forms, mesh.triangles)
-        self._api.rtcSetGeometryIntersectFilterFunction(geometry, filter_address())
-        self._api.rtcSetGeometryOccludedFilterFunction(geometry, filter_address())
-        return geometry
+            return self._strands(mesh, buffers(mesh, matrix))
+        forms = [form if matrix is None else world_positions(form, matrix) for form in _forms(mesh)]
+        return self._triangles(forms, mesh.triangles)
 
     def _strands(self, mesh: Mesh, given: Buffers) -> int:
         """A geometry of curves or spheres."""

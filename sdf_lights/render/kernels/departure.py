@@ -3,8 +3,8 @@
 """Origins of rays that leave a surface, without self-intersection.
 
 As in Cycles, a ray ignores the triangle, curve or sphere on which it starts, its *self primitive*: Embree asks at every
-hit. So the origin of a ray lies exactly on its triangle, and the ray meets another triangle in the same place. Where
-rounding forbids that, the origin is offset along the normal, as in pbrt.
+hit of such a ray. So the origin of a ray lies exactly on its triangle, and the ray meets another triangle in the same
+place. Where rounding forbids that, the origin is offset along the normal, as in pbrt.
 """
 
 from __future__ import annotations
@@ -65,8 +65,6 @@ def refuse(arguments):
     for lane in range(count):
         left = np.int64(rays[_RAY_ID * count + lane])
         passed = np.int64(rays[_RAY_FLAGS * count + lane])
-        if left == 0 and passed == 0:
-            continue
         instance = np.int64(hits[_INSTANCE * count + lane])
         if instance == NONE:
             instance = np.int64(hits[_GEOMETRY * count + lane])

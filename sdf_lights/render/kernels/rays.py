@@ -50,7 +50,21 @@ SHADOW_BITS = tuple(1 << place for place in (7, 8, 11, 12, 15, 16, 19, 20, 23, 2
 # Relative step off a surface: some tens of float32 roundings, as Embree sees the scene in float32.
 OFFSET = 2.0**-18
 
-SCALARS = [("embree_scene", np.int64), ("rtc_intersect", np.int64), ("rtc_occluded", np.int64)]
+# RTCIntersectArguments and RTCOccludedArguments (rtcore_scene.h), which have the same fields, and padding so that a
+# version with more of them has room.
+QUERY = np.dtype(
+    [
+        ("flags", np.uint32),
+        ("features", np.uint32),
+        ("context", np.int64),
+        ("filter", np.int64),
+        ("own_geometry", np.int64),
+        ("padding", np.int64, (4,)),
+    ]
+)
+
+# ``filtered_query``: address of the ``QUERY`` of rays that do not meet all that they cross.
+SCALARS = [(name, np.int64) for name in ("embree_scene", "rtc_intersect", "rtc_occluded", "filtered_query")]
 ray_table = table("ray", RAY)
 
 
@@ -100,6 +114,12 @@ def _set_ray(ray, o, d, t_min, t_max, mask):
     ray.mask = mask
 
 
+@kernel
+def _query(block, ray):
+    """Address of the arguments of Embree's query. Most rays do without: a call at each hit would cost time."""
+    return block.filtered_query if ray.id != 0 or ray.flags != 0 else 0
+
+
 @replaced_on_gpu
 @kernel
 def intersect(block, workspace, o, d, t_min, t_max, mask):
@@ -114,7 +134,7 @@ def intersect_scene(block, workspace, scene, o, d, t_min, t_max, mask):
     _set_ray(ray, o, d, t_min, t_max, mask)
     ray.geometry = NONE
     ray.instance = NONE
-    call_address3(block.rtc_intersect, scene, workspace.ray_address, 0)
+    call_address3(block.rtc_intersect, scene, workspace.ray_address, _query(block, ray))
     return ray.geometry != NONE
 
 
@@ -124,7 +144,7 @@ def occluded(block, workspace, o, d, t_min, t_max, mask):
     """True if any triangle lies between t_min and t_max."""
     ray = ray_table(workspace)[0]
     _set_ray(ray, o, d, t_min, t_max, mask)
-    call_address3(block.rtc_occluded, block.embree_scene, workspace.ray_address, 0)
+    call_address3(block.rtc_occluded, block.embree_scene, workspace.ray_address, _query(block, ray))
     return ray.t_far < 0.0
 
 
