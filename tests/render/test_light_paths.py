@@ -200,20 +200,19 @@ TOON = Node(
     "change",
     [
         _light,
-        _world,
-        _emission,
-        _restricted_lamp,
         _everywhere(SKIN),
-        _everywhere(BRUSHED),
-        _everywhere(TOON, 5),
-        _strands,
+        *(
+            pytest.param(change, marks=pytest.mark.slow)
+            for change in (_world, _emission, _restricted_lamp, _everywhere(BRUSHED), _everywhere(TOON, 5), _strands)
+        ),
     ],
-    ids=["light", "world", "mesh", "restricted lamp", "skin", "brushed", "toon", "strands"],
+    ids=["light", "skin", "world", "mesh", "restricted lamp", "brushed", "toon", "strands"],
 )
 def test_what_they_do_not_follow_is_left_to_paths(change):
-    """Means of the whole and of blocks over 10 renders each agree, and light paths are used."""
+    """Light paths are used, and means of the whole and of blocks over 24 renders each agree within 4.5 standard errors: by
+    chance, one set of seeds in a hundred would not."""
     found = [
-        np.array([picture(each, change=change, seed=seed, samples=16) for seed in range(10)])
+        np.array([picture(each, change=change, seed=seed, samples=8) for seed in range(24)])
         for each in (WITHOUT, ALWAYS)
     ]
     assert not np.array_equal(*found)
