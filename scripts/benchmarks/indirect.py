@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import statistics
 
+import host
 import numpy as np
 
 from . import (
@@ -41,10 +42,16 @@ SIZE, QUICK_SIZE = 128, 64
 SAMPLES, QUICK_SAMPLES = 32, 16
 SEEDS, QUICK_SEEDS = 8, 3
 RIVALS_SEEDS, QUICK_RIVALS_SEEDS = 8, 2
+DOCUMENT = host.REPOSITORY / "docs" / "sampling.md"
+BEGIN, END = "<!-- indirect -->", "<!-- end of indirect -->"
+COLUMNS = dict(
+    gain="without light paths", paper="the paper's sampler", cycles="Cycles", cycles_guided="Cycles, path guiding"
+)
 WITHOUT, AUTOMATIC = "NEVER", "AUTOMATIC"  # values of ``scene.sdf_lights.lamp_paths``
 
 
 def arguments(parser) -> None:
+    parser.add_argument("--document-indirect", action="store_true", help="write the table of docs/sampling.md")
     parser.add_argument(
         "--rooms", type=some_of(SCENES), metavar="SCENES", help=f"with commas between: {', '.join(SCENES)}"
     )
@@ -154,6 +161,17 @@ def summary_of(rows: list[dict]) -> dict:
     return summary | (dict(rooms_ratio_cycles_min=min(cycles)) if cycles else {})
 
 
+def document(rows: list[dict]) -> None:
+    """Write the table of docs/sampling.md."""
+    lines = [f"| scene | light paths | {' | '.join(COLUMNS.values())} |", "|---" * (len(COLUMNS) + 2) + "|"]
+    for row in rows:
+        cells = (f"{row[key]:.{0 if row[key] >= 10.0 else 2}f}" if key in row else "" for key in COLUMNS)
+        lines.append(f"| {row['indirect_scene']} | {'used' if row['used'] else 'not used'} | {' | '.join(cells)} |")
+    before, _, rest = DOCUMENT.read_text(encoding="utf-8").partition(BEGIN)
+    _, _, after = rest.partition(END)
+    DOCUMENT.write_text("\n".join([before + BEGIN, *lines, END]) + after, encoding="utf-8")
+
+
 def run(options) -> tuple[dict, list[dict]]:
     names = options.rooms or list(QUICK if options.quick else SCENES)
     progress, parts, rows = Progress(len(names)), Parts(options), []
@@ -163,4 +181,6 @@ def run(options) -> tuple[dict, list[dict]]:
         progress.step()
     parts.finish()
     progress.close()
+    if options.document_indirect:
+        document(rows)
     return summary_of(rows), rows
