@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The gain of light paths: error × time without them, over that with the automatic choice, in rooms that lamps light by way
-of walls and in scenes where they should not be used.
+of walls and in scenes where they should not be used. And error × time of Cycles and of the paper's sampler over ours: see
+``indirect_rivals``.
 
 As in ``allocation``, the error is the variance of renders with different seeds, and both variants take turns. The time is
 the processor time of a whole render, with all that light paths need before the first sample.
@@ -11,13 +12,16 @@ from __future__ import annotations
 
 import statistics
 
+import host
 import numpy as np
 
 from . import (
     allocation,
     beside_cycles,
     errors,
+    indirect_rivals,
     indirect_rooms,
+    lamp_scenes,
     pictures,
     simple_scenes,
     some_of,
@@ -28,20 +32,31 @@ from .resume import Parts
 HELP = "the gain of light paths in rooms that lamps light by way of walls, and what they lose elsewhere"
 
 ROOMS = tuple(indirect_rooms.ROOMS)
-STAGES = ("S1", "S4", "S5", "room")
-ORDINARY = ("living_room_night", "street")
+STAGES = (*lamp_scenes.THE_FIVE, "room")
+INTERIORS = indirect_rivals.INTERIORS
+ORDINARY = (*INTERIORS, "street")
 SCENES = (*ROOMS, *STAGES, *ORDINARY)
-QUICK = (*ROOMS, "S4", "street")
+QUICK = (*ROOMS, *lamp_scenes.THE_FIVE, *INTERIORS)
 BOUNCES = 4  # of scenes of lamps
 SIZE, QUICK_SIZE = 128, 64
 SAMPLES, QUICK_SAMPLES = 32, 16
 SEEDS, QUICK_SEEDS = 8, 3
+RIVALS_SEEDS, QUICK_RIVALS_SEEDS = 8, 2
+DOCUMENT = host.REPOSITORY / "docs" / "sampling.md"
+BEGIN, END = "<!-- indirect -->", "<!-- end of indirect -->"
+COLUMNS = dict(
+    gain="without light paths", paper="the paper's sampler", cycles="Cycles", cycles_guided="Cycles, path guiding"
+)
 WITHOUT, AUTOMATIC = "NEVER", "AUTOMATIC"  # values of ``scene.sdf_lights.lamp_paths``
 
 
 def arguments(parser) -> None:
+    parser.add_argument("--document-indirect", action="store_true", help="write the table of docs/sampling.md")
     parser.add_argument(
         "--rooms", type=some_of(SCENES), metavar="SCENES", help=f"with commas between: {', '.join(SCENES)}"
+    )
+    parser.add_argument(
+        "--no-rivals", dest="rivals", action="store_false", help="compare only with and without light paths"
     )
 
 
@@ -58,8 +73,8 @@ def _render(name: str, scene, variant: str, samples: int, seed: int, device: str
 
 def measure(name: str, options) -> dict:
     """The row of a scene."""
-    build = indirect_rooms.build if name in ROOMS else allocation.build
-    scene = build(name, QUICK_SIZE if options.quick else SIZE)
+    build = indirect_rivals.build_interior if name in INTERIORS else allocation.build
+    scene = (indirect_rooms.build if name in ROOMS else build)(name, QUICK_SIZE if options.quick else SIZE)
     samples = QUICK_SAMPLES if options.quick else SAMPLES
     seeds = max(options.repeats or (QUICK_SEEDS if options.quick else SEEDS), 2)
     for variant in (WITHOUT, AUTOMATIC):
@@ -68,10 +83,25 @@ def measure(name: str, options) -> dict:
     for seed in range(seeds):
         for variant, pile in made.items():
             pile.append(_render(name, scene, variant, samples, seed, options.device))
-    return dict(indirect_scene=name, samples=samples) | row_of(
+    row = dict(indirect_scene=name, samples=samples) | row_of(
         {variant: np.array([picture.pixels for picture in pile]) for variant, pile in made.items()},
         {variant: statistics.median(picture.work for picture in pile) for variant, pile in made.items()},
     )
+    seeds = QUICK_RIVALS_SEEDS if options.quick else RIVALS_SEEDS
+    rivals = _rivals(name, options.device) if options.rivals else {}
+    return row | {key: indirect_rivals.ratio(rival, made[AUTOMATIC], seeds) for key, rival in rivals.items()}
+
+
+def _rivals(name: str, device: str) -> dict[str, indirect_rivals.Rival]:
+    """The rivals in a scene, by the key of the row."""
+    if name in ROOMS:
+        return dict(
+            cycles=indirect_rivals.by_cycles(BOUNCES, surfaces=True),
+            cycles_guided=indirect_rivals.by_cycles(BOUNCES, surfaces=True, guiding=True),
+        )
+    if name in lamp_scenes.THE_FIVE:
+        return dict(cycles=indirect_rivals.by_cycles(BOUNCES), paper=indirect_rivals.by_paper(BOUNCES, device))
+    return dict(cycles=indirect_rivals.by_cycles_defaults(device)) if name in INTERIORS else {}
 
 
 def row_of(stacks: dict[str, np.ndarray], work: dict[str, float]) -> dict:
@@ -108,13 +138,38 @@ def row_of(stacks: dict[str, np.ndarray], work: dict[str, float]) -> dict:
 
 def summary_of(rows: list[dict]) -> dict:
     """``rooms_gain_min`` and ``…_geomean``: of rooms. ``loss_max``: the greatest error × time with the automatic choice over
-    that without light paths, of all scenes. ``used_elsewhere``: in how many other scenes light paths are used."""
+    that without light paths, of all scenes. ``used_elsewhere``: in how many other scenes light paths are used.
+
+    Error × time over ours: ``mse_ratio_cycles_bounces_…`` of Cycles' emission volumes and ``mse_ratio_paper_bounces_…`` of the paper's sampler in
+    S1 to S5, ``rooms_ratio_cycles_min`` of Cycles' mesh lights in rooms, the better one of path guiding and none,
+    ``interiors_ratio_cycles_…`` in rooms without SDF lamps.
+    """
     rooms = [row["gain"] for row in rows if row["indirect_scene"] in ROOMS]
     summary = dict(loss_max=max(1.0 / row["gain"] for row in rows))
     summary["used_elsewhere"] = sum(row["used"] for row in rows if row["indirect_scene"] not in ROOMS)
     if rooms:
         summary |= dict(rooms_gain_min=min(rooms), rooms_gain_geomean=statistics.geometric_mean(rooms))
-    return summary
+    for title, names, key in (
+        ("mse_ratio_cycles_bounces", lamp_scenes.THE_FIVE, "cycles"),
+        ("mse_ratio_paper_bounces", lamp_scenes.THE_FIVE, "paper"),
+        ("interiors_ratio_cycles", INTERIORS, "cycles"),
+    ):
+        found = [row[key] for row in rows if row["indirect_scene"] in names and key in row]
+        if found:
+            summary |= {f"{title}_geomean": statistics.geometric_mean(found), f"{title}_min": min(found)}
+    cycles = [min(row["cycles"], row["cycles_guided"]) for row in rows if "cycles_guided" in row]
+    return summary | (dict(rooms_ratio_cycles_min=min(cycles)) if cycles else {})
+
+
+def document(rows: list[dict]) -> None:
+    """Write the table of docs/sampling.md."""
+    lines = [f"| scene | light paths | {' | '.join(COLUMNS.values())} |", "|---" * (len(COLUMNS) + 2) + "|"]
+    for row in rows:
+        cells = (f"{row[key]:.{0 if row[key] >= 10.0 else 2}f}" if key in row else "" for key in COLUMNS)
+        lines.append(f"| {row['indirect_scene']} | {'used' if row['used'] else 'not used'} | {' | '.join(cells)} |")
+    before, _, rest = DOCUMENT.read_text(encoding="utf-8").partition(BEGIN)
+    _, _, after = rest.partition(END)
+    DOCUMENT.write_text("\n".join([before + BEGIN, *lines, END]) + after, encoding="utf-8")
 
 
 def run(options) -> tuple[dict, list[dict]]:
@@ -126,4 +181,6 @@ def run(options) -> tuple[dict, list[dict]]:
         progress.step()
     parts.finish()
     progress.close()
+    if options.document_indirect:
+        document(rows)
     return summary_of(rows), rows

@@ -9,8 +9,8 @@ import math
 import bpy
 from scenery.modelling import add, box
 
-from . import simple_scenes
-from .lamp_scenes import INTENSITY, add_lamp, show, turned
+from . import lamp_meshes, simple_scenes
+from .lamp_scenes import INTENSITY, add_lamp, marched, show, turned
 
 SIZE = 4.0, 5.0, 2.6  # metres of a room; the camera stands at the end of −y
 THICK = 0.1  # of walls
@@ -43,7 +43,13 @@ def _cove(size: int) -> None:
     white = _paint("Plaster", (0.8, 0.8, 0.8))
     _slab("Ledge", (4.0, 0.25, 0.03), (0.0, 2.375, 2.2), white)
     _slab("Lip", (4.0, 0.03, 0.12), (0.0, 2.25, 2.26), white)
-    add_lamp("Tube", "box(1.8, 0.015, 0.015)", None, turned(at=(0.0, 2.37, 2.25)), INTENSITY / 0.00324)
+    add_lamp(
+        "Tube",
+        "box(1.8, 0.015, 0.015)",
+        lamp_meshes.box((1.8, 0.015, 0.015)),
+        turned(at=(0.0, 2.37, 2.25)),
+        INTENSITY / 0.00324,
+    )
 
 
 def _shade(size: int) -> None:
@@ -53,7 +59,7 @@ def _shade(size: int) -> None:
         angle = 2.0 * math.pi * number / 12
         at = 0.2 * math.cos(angle), 1.0 + 0.2 * math.sin(angle), 1.5
         _slab("Shade", (0.01, 0.108, 0.3), at, cloth, math.degrees(angle))
-    add_lamp("Bulb", "sphere(0.05)", None, turned(at=(0.0, 1.0, 1.5)), INTENSITY / 0.000524)
+    add_lamp("Bulb", "sphere(0.05)", lamp_meshes.sphere(0.05, 64, 32), turned(at=(0.0, 1.0, 1.5)), INTENSITY / 0.000524)
 
 
 def _sign(size: int) -> None:
@@ -62,9 +68,10 @@ def _sign(size: int) -> None:
         for column in range(10):
             at = -1.8 + 0.4 * column + 0.2 * (row % 2), 2.48, 0.065 + 0.13 * row
             _slab("Brick", (0.38, 0.04, 0.115), at, _paint(f"Brick {row % 3}", (0.35 + 0.05 * (row % 3), 0.12, 0.08)))
+    stroke = marched("capsule(0.2, 0.012)")
     for number, turn in enumerate((0.0, 60.0, -60.0, 90.0, 30.0)):
         matrix = turned(y=turn, at=(-1.0 + 0.5 * number, 2.42, 1.5))
-        add_lamp(f"Stroke {number}", "capsule(0.2, 0.012)", None, matrix, INTENSITY / 0.0009, (1.0, 0.2, 0.4))
+        add_lamp(f"Stroke {number}", "capsule(0.2, 0.012)", stroke, matrix, INTENSITY / 0.0009, (1.0, 0.2, 0.4))
 
 
 def _door(size: int) -> None:
@@ -74,7 +81,13 @@ def _door(size: int) -> None:
     _slab("Right", (0.5, 0.08, 2.6), (1.75, 1.5, 1.3), wall)
     _slab("Above", (0.9, 0.08, 0.6), (1.05, 1.5, 2.3), wall)
     _slab("Door", (0.9, 0.04, 2.0), (0.82, 1.87, 1.0), _paint("Door", (0.6, 0.6, 0.65)), 120.0)
-    add_lamp("Lamp", "torus(0.15, 0.03)", None, turned(at=(-1.2, 2.0, 1.8)), INTENSITY / 0.00266)
+    add_lamp(
+        "Lamp",
+        "torus(0.15, 0.03)",
+        lamp_meshes.torus(0.15, 0.03, 64, 32),
+        turned(at=(-1.2, 2.0, 1.8)),
+        INTENSITY / 0.00266,
+    )
 
 
 def _corridor(size: int) -> None:
@@ -84,7 +97,8 @@ def _corridor(size: int) -> None:
         side = -1.0 if number % 2 else 1.0
         y = -6.5 + 1.45 * (number // 2)
         _slab("Baffle", (0.02, 0.3, 0.3), (side * 0.9, y, 2.0), metal)
-        add_lamp(f"Lamp {number}", "sphere(0.04)", None, turned(at=(side * 1.0, y, 2.0)), 0.2 * INTENSITY / 0.000268)
+        at = turned(at=(side * 1.0, y, 2.0))
+        add_lamp(f"Lamp {number}", "sphere(0.04)", lamp_meshes.sphere(0.04, 32, 16), at, 0.2 * INTENSITY / 0.000268)
 
 
 ROOMS = dict(cove=_cove, shade=_shade, sign=_sign, door=_door, corridor=_corridor)

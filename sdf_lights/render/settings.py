@@ -112,8 +112,8 @@ class Settings:
     lamp_paths: LampPaths = _setting(
         LampPaths.AUTOMATIC,
         "Trace paths from the SDF lamps, too, and connect them to those from the camera. This gives less noise where walls "
-        "pass on the light of hidden lamps. Automatic measures whether it pays. Only on the CPU, in final renders, and if "
-        "all light comes from SDF lamps",
+        "pass on the light of hidden lamps. Automatic measures whether it pays. Only on the CPU and in final "
+        "renders",
         label="Paths from Lamps",
     )
     clamp_direct: float = _setting(

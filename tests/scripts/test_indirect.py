@@ -42,12 +42,33 @@ def test_summary_has_the_least_room_and_the_greatest_loss():
     }
 
 
+def test_summary_compares_rivals_by_kind_of_scene():
+    """The better one of Cycles' path guiding and none counts."""
+    rows = [
+        dict(indirect_scene=scene, gain=1.0, used=False) | ratios
+        for scene, ratios in (
+            ("S1", dict(cycles=40.0, paper=2.0)),
+            ("S2", dict(cycles=10.0, paper=8.0)),
+            ("cove", dict(cycles=90.0, cycles_guided=30.0)),
+            ("door", dict(cycles=50.0, cycles_guided=60.0)),
+            ("kitchen", dict(cycles=0.5)),
+        )
+    ]
+    summary = indirect.summary_of(rows)
+    assert summary["mse_ratio_cycles_bounces_geomean"] == pytest.approx(20.0)
+    assert summary["mse_ratio_cycles_bounces_min"] == 10.0
+    assert summary["mse_ratio_paper_bounces_geomean"] == pytest.approx(4.0)
+    assert summary["rooms_ratio_cycles_min"] == 30.0
+    assert summary["interiors_ratio_cycles_geomean"] == summary["interiors_ratio_cycles_min"] == 0.5
+
+
 @pytest.mark.slow
 def test_a_room_is_measured():
     parser = argparse.ArgumentParser()
     indirect.arguments(parser)
     options = parser.parse_args(["--rooms", "cove"])
-    vars(options).update(quick=True, repeats=2, device="CPU", resume=None)
+    vars(options).update(quick=True, repeats=2, device="CPU", resume=None, document_indirect=False)
     summary, (row,) = indirect.run(options)
     assert row["used"] and row["gain"] > 2.0
     assert summary["rooms_gain_min"] == row["gain"]
+    assert summary["rooms_ratio_cycles_min"] == min(row["cycles"], row["cycles_guided"]) > 1.0

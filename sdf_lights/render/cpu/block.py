@@ -79,7 +79,7 @@ class PackedScene:
             },
             {"has_subsurface": bool(deep.any())},
         )
-        self.set_light_paths({})
+        self.set_light_paths({}, {})
         self._moving: motion.Moving | None = None
         self.update_lights(scene)
         self.update_camera(scene, film)
@@ -115,12 +115,16 @@ class PackedScene:
         """A table that kernels read."""
         return self._tables[name]
 
-    def set_light_paths(self, tables: dict[str, np.ndarray]) -> None:
+    def lamps_of(self, scene: Scene) -> list[Lamp]:
+        """The lamps of ``scene`` by their emitters: without those that give no light."""
+        return [scene.lamps[index] for index in self._built]
+
+    def set_light_paths(self, tables: dict[str, np.ndarray], scalars: dict[str, float]) -> None:
         """Connect paths with the vertices of light paths in these tables of ``light_paths.records``; with nothing without them."""
         connects = "light_path_vertices" in tables
         empty = {name: np.zeros(0, dtype) for name, dtype in light_path_records.TABLES.items()}
         code = {"light_path_code": light_path_parts.addresses(connects, (BLOCK, WORKSPACE))}
-        self._fill(empty | tables | code, {"light_paths": connects})
+        self._fill(empty | tables | code, scalars | {"light_paths": connects})
 
     def update_lights(self, scene: Scene) -> None:
         """Take the lamps and lights of ``scene``. Its meshes, materials and world must be unchanged.
@@ -163,13 +167,13 @@ class PackedScene:
         self.set_film(scene, film)
         self._fill({}, media.camera_scalars(scene.camera, self._tables["media_bounds"], scene, *self._boxes))
         if self._external is external.NONE and scene.settings.lamp_sampling is LampSampling.EXTERNAL:
-            self._external = self._pack_external([scene.lamps[index] for index in self._built])
+            self._external = self._pack_external(self.lamps_of(scene))
         self._fill(self._external.tables, {})
 
     def set_film(self, scene: Scene, film: Film) -> None:
         """Add the next samples to this film."""
         self._fill(film_kernels.pack_film(film), film_kernels.film_scalars(film))
-        emitters = [*(scene.lamps[index] for index in self._built), *scene.lights, scene.world]
+        emitters = [*self.lamps_of(scene), *scene.lights, scene.world]
         tables, scalars = output_parts.pack(scene, film, emitters, self._emissive.instance)
         tables["output_code"] = output_parts.addresses(film, (BLOCK, WORKSPACE))
         self._fill(tables, scalars)

@@ -12,13 +12,30 @@ import numpy as np
 
 from ...graph.formula import VARIABLE, order
 from ..kernels.light_paths import tree
-from ..kernels.light_paths.records import CONNECTS, MOST_TOPS, NODE, ONLY_DIFFUSE, VERTEX
+from ..kernels.light_paths.records import (
+    CONNECTS,
+    FOLLOW_ALL,
+    FOLLOW_DIFFUSE,
+    MOST_TOPS,
+    NODE,
+    ONLY_DIFFUSE,
+    VERTEX,
+)
 from ..kernels.light_paths.trace import dim_unseen, find_pilots, trace_light_paths
 from ..kernels.outputs.records import LOBES
-from ..kernels.shading.material_compiler import LOBE_ALPHA, LOBE_DIFFUSE, LOBE_TRANSLUCENT
-from ..kernels.shading.records import GLOSSY, HAS_EMISSION, TRANSMISSION
-from ..kernels.shading.special_lobes import LOBE_SHEEN, LOBE_VELVET, WITH_FACETS, WITH_THIN_WALL
-from ..scene import ALL_SETS, MANY_BOUNCES, Ray, Scene, catches_shadows
+from ..kernels.shading.material_compiler import LOBE_ALPHA, LOBE_DIFFUSE, LOBE_PRINCIPLED, LOBE_TRANSLUCENT
+from ..kernels.shading.records import GLOSSY, HAS_TRANSPARENCY, TRANSMISSION
+from ..kernels.shading.special_lobes import (
+    LOBE_SHEEN,
+    LOBE_SUBSURFACE,
+    LOBE_VELVET,
+    ONCE,
+    WITH_FACETS,
+    WITH_SUBSURFACE,
+    WITH_THIN_SCATTERING,
+    WITH_THIN_WALL,
+)
+from ..scene import ALL_SETS, MANY_BOUNCES, Primitive, Ray, Scene, catches_shadows
 from ..settings import LARGEST_BATCH, LampPaths
 from .block import PackedScene, Workspace
 
@@ -30,60 +47,77 @@ MOST_VERTICES = 32  # of a path
 NODES = 2048
 PILOTS = 256
 CHUNK = 256  # paths that a thread takes at once
+# The least chance with which a path goes on where connections find its light: if nothing else comes that way, and if some
+# light does that light paths cannot follow, whose noise grows with it.
+MOST_ROULETTE, SOME_ROULETTE = 0.02, 0.3
+SIMPLE_LOBES = (*range(LOBE_ALPHA + 1), LOBE_SHEEN, LOBE_VELVET)
+END_OF_KNOWN, THIN = LOBE_SUBSURFACE + 1, WITH_THIN_WALL | WITH_THIN_SCATTERING
 
 SCATTERED = Ray.DIFFUSE | Ray.GLOSSY | Ray.TRANSMISSION | Ray.SHADOW
 BY_PATH = {"ray_kind", "ray_length", "ray_singular", "depth"}  # what a material may ask of the ray that meets it
 
 
 def can_connect(scene: Scene, packed: PackedScene) -> bool:
-    """Whether connections find all light that they take from paths, and whether that is asked for.
+    """Whether connections may take light from paths, and whether that is asked for.
 
-    - Light comes from SDF lamps alone: no other paths start with light. Each lamp lights all, and all cast its shadows, after
-      any number of bounces.
+    - There are lamps from which light paths start: see ``sources_of``. What other lights, the world and surfaces emit is left to
+      paths, and so is what light paths cannot follow: see ``materials_of``.
     - Each object is met by all kinds of rays but the camera's or by none, as a light path does not know yet what kind of ray
       it is seen by. For the same reason no material asks for the ray that meets it, no caustics are off, and no glossy filter is
       on.
-    - Nothing moves, scatters in a volume or below a surface, is a strand, or catches shadows, and no closure may be sharp that
-      a light path cannot follow: a portal, a thin wall, anisotropic or thin films.
+    - Nothing moves, scatters in a volume or catches shadows, and strands are opaque.
     - No pass wants light by the lobe that scattered it first: what connections take from a ray is of diffuse lobes alone.
     - A light path has ``MOST_VERTICES`` at most, and passes transparent surfaces where there are some.
     """
-    settings, world, block = scene.settings, scene.world, packed.block[0]
-    lobes = packed.table("lobes")
+    settings, block = scene.settings, packed.block[0]
     return bool(
         settings.lamp_paths is not LampPaths.NEVER
         and settings.max_bounces > 0
         and vertices_of(scene, packed) <= MOST_VERTICES
         and (settings.transparent_bounces > 0 or not block["transparent_shadows"])
-        and block["lamp_count"] > 0
-        and not scene.lights
-        and (world.strength <= 0.0 or world.image is None and world.emission is None and max(world.color) <= 0.0)
-        and not (packed.table("materials")["flags"] & HAS_EMISSION).any()
-        and all(
-            lamp.receivers == lamp.blockers == ALL_SETS
-            and lamp.max_bounces >= MANY_BOUNCES
-            and not lamp.sampled_only
-            and lamp.visibility & SCATTERED == SCATTERED
-            for lamp in scene.lamps
-        )
+        and sources_of(scene, packed).any()
         and all(
             each.visibility & SCATTERED in (SCATTERED, 0) and each.receivers == each.blockers == ALL_SETS
             for each in scene.instances
         )
-        and not any(block[name] for name in ("has_media", "has_subsurface", "has_strands"))
+        and not block["has_media"]
         and not packed.moves
         and not catches_shadows(scene)
         and not block["outputs"] & LOBES
         and settings.filter_glossy == 0.0
         and block["caustics"] == GLOSSY | TRANSMISSION
-        and np.isin(lobes["kind"], (*range(LOBE_ALPHA + 1), LOBE_SHEEN, LOBE_VELVET)).all()
-        and not (lobes["features"] & (WITH_FACETS | WITH_THIN_WALL)).any()
+        and not (packed.table("lobes")["features"] & ONCE).any()
+        and not (packed.table("materials")["flags"][_on_strands(scene)] & HAS_TRANSPARENCY).any()
         and not any(
             node.kind == VARIABLE and node.value[0] in BY_PATH
             for roots in packed.graphs.structures
             for node in order(*roots)
         )
     )
+
+
+def _on_strands(scene: Scene) -> list[int]:
+    """The materials of all that is not triangles."""
+    return [
+        material
+        for instance in scene.instances
+        if scene.meshes[instance.mesh].primitive != Primitive.TRIANGLES
+        for material in instance.materials
+    ]
+
+
+def sources_of(scene: Scene, packed: PackedScene) -> np.ndarray:
+    """(emitters,) 1 where light paths start: lamps that light all, whose shadows all cast, after any number of bounces."""
+    found = np.zeros(len(packed.table("light_emitters")), np.int64)
+    count = packed.block[0]["lamp_count"]
+    found[:count] = [
+        lamp.receivers == lamp.blockers == ALL_SETS
+        and lamp.max_bounces >= MANY_BOUNCES
+        and not lamp.sampled_only
+        and lamp.visibility & SCATTERED == SCATTERED
+        for lamp in packed.lamps_of(scene)
+    ]
+    return found
 
 
 def vertices_of(scene: Scene, packed: PackedScene) -> int:
@@ -93,17 +127,27 @@ def vertices_of(scene: Scene, packed: PackedScene) -> int:
 
 
 def materials_of(packed: PackedScene) -> np.ndarray:
-    """(materials,) CONNECTS and ONLY_DIFFUSE of each. Light that a material passes on diffusely is left to paths: of which
-    side of it a light path comes, a path from the camera does not know."""
-    kinds = packed.table("lobes")["kind"]
-    lobes = [kinds[first:end] for first, end in packed.table("materials")["lobes"]]
-    return np.array(
-        [
-            CONNECTS * int(LOBE_TRANSLUCENT not in each) | ONLY_DIFFUSE * int((each == LOBE_DIFFUSE).all())
-            for each in lobes
-        ],
-        np.int64,
-    )
+    """(materials,) sums of CONNECTS, ONLY_DIFFUSE, FOLLOW_DIFFUSE and FOLLOW_ALL.
+
+    - Light that a material passes on diffusely is not connected: of which side of it a light path comes, a path from the camera
+      does not know.
+    - Light paths follow no closure that may be sharp but a mirror's or glass's, and none that they do not know.
+    """
+    table = packed.table("lobes")
+    found = []
+    for first, end in packed.table("materials")["lobes"]:
+        kinds, features = table["kind"][first:end], table["features"][first:end]
+        if (kinds >= END_OF_KNOWN).any() or (features[kinds == LOBE_PRINCIPLED] & THIN).any():
+            found.append(0)
+            continue
+        simple = np.isin(kinds, SIMPLE_LOBES).all() and not (features & (WITH_FACETS | WITH_SUBSURFACE)).any()
+        found.append(
+            CONNECTS * int(LOBE_TRANSLUCENT not in kinds)
+            | ONLY_DIFFUSE * int((kinds == LOBE_DIFFUSE).all())
+            | FOLLOW_DIFFUSE
+            | FOLLOW_ALL * int(simple)
+        )
+    return np.array(found, np.int64)
 
 
 class LightPaths:
@@ -112,7 +156,7 @@ class LightPaths:
     @classmethod
     def of(cls, scene: Scene, packed: PackedScene, workspaces: list[Workspace]) -> LightPaths | None:
         """None where the scene cannot use them, or should not; nothing is connected then."""
-        packed.set_light_paths({})
+        packed.set_light_paths({}, {})
         return cls(scene, packed, workspaces) if can_connect(scene, packed) else None
 
     def __init__(self, scene: Scene, packed: PackedScene, workspaces: list[Workspace]):
@@ -120,7 +164,8 @@ class LightPaths:
         self._width = vertices_of(scene, packed)
         x0, y0, x1, y1 = scene.border or (0, 0, scene.width, scene.height)
         self._pixels = (x1 - x0) * (y1 - y0)
-        self._materials = materials_of(packed)
+        self._lasting = {"light_path_materials": materials_of(packed), "light_path_sources": sources_of(scene, packed)}
+        self._scalars = self._settled()
         self._fixed: dict[str, np.ndarray] = {}
         self.rest()
         self.automatic = scene.settings.lamp_paths is LampPaths.AUTOMATIC
@@ -143,7 +188,18 @@ class LightPaths:
 
     def rest(self) -> None:
         """Connect the next paths with nothing."""
-        self._packed.set_light_paths({"light_path_materials": self._materials})
+        self._packed.set_light_paths(self._lasting, self._scalars)
+
+    def _settled(self) -> dict[str, float]:
+        """The scalars of ``light_paths.records``: how much a path from the camera may count on light paths."""
+        scene = self._scene
+        sources, materials = self._lasting["light_path_sources"], self._lasting["light_path_materials"]
+        used = [material for instance in scene.instances for material in instance.materials]
+        block, lamps = self._packed.block[0], int(self._packed.block[0]["lamp_count"])
+        alone = bool(sources[:lamps].all()) and not scene.lights and not block["emitters_hit"]
+        follows = bool((materials[used] & FOLLOW_ALL).all()) and not block["has_strands"]
+        roulette = (MOST_ROULETTE if follows else SOME_ROULETTE) if alone else 1.0
+        return {"light_path_all": alone and follows, "light_path_roulette": roulette}
 
     def _connect(self, number: int, samples: int) -> None:
         if not self._fixed:
@@ -153,7 +209,7 @@ class LightPaths:
         raw, lengths = self._trace(number + 1, _paths(self._pixels * samples / SHARED, MOST_PATHS))
         vertices = np.empty(lengths.sum(), VERTEX)
         tree.place(self._fixed["light_path_nodes"], raw, lengths, self._width, vertices)
-        self._packed.set_light_paths(self._fixed | {"light_path_vertices": vertices})
+        self._packed.set_light_paths(self._lasting | self._fixed | {"light_path_vertices": vertices}, self._scalars)
 
     def _build(self) -> None:
         """Make the tree by light paths that no sample has: weights must not depend on the vertices that they are for."""
@@ -171,7 +227,6 @@ class LightPaths:
         self._fixed = {
             "light_path_nodes": nodes[:count].copy(),
             "light_path_tops": tops[:top_count].copy(),
-            "light_path_materials": self._materials,
         }
 
     def _trace(self, number: int, paths: int) -> tuple[np.ndarray, np.ndarray]:

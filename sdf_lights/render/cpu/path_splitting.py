@@ -22,6 +22,7 @@ from ..kernels.integrator import (
     trace_path,
 )
 from ..kernels.light_paths import apart as light_paths
+from ..kernels.light_paths.records import FOLLOW_ALL, FOLLOW_DIFFUSE
 from ..kernels.media.records import inside_table
 from ..kernels.motion import set_time
 from ..kernels.outputs import apart as outputs
@@ -30,11 +31,13 @@ from ..kernels.outputs.state import keep_first_scattering, use_first_scattering
 from ..kernels.path import (
     AT_EXIT,
     AT_SURFACE,
+    BEFORE,
     EMISSION_SET,
     FIRST_BRANCH,
     FIRST_BRANCH_RAY,
     VERTEX_SETS,
     WAITING,
+    WHITE,
     clear_sample,
     path_table,
     sample_table,
@@ -48,8 +51,6 @@ from ..kernels.workspace import cut_table, secondary_table
 LEAST_SURVIVAL = 0.3
 CONNECTION_COST = 1.0  # time of a connection, with that of the weights at the next hit, in surfaces that rays meet
 LEAST_LEFT = 0.02  # of what connections to light paths leave to a branch
-
-WHITE = (1.0, 1.0, 1.0)
 
 control_table = table("control", np.int64)
 
@@ -104,12 +105,10 @@ def trace_branches(block, workspace, x, y, branches, first_branch):
             light_paths.connect(block, workspace)
             sample.met += CONNECTION_COST
         paths[0].alive = int(scatter(block, workspace))
-        if block.light_paths and paths[0].alive and paths[0].pdf > 0.0:
-            paths[0].connects = 1
-            if paths[0].has_glossy:
-                light_paths.share(block, workspace)
-            else:
-                put(paths[0].connected, WHITE)
+        if block.light_paths and paths[0].alive and paths[0].pdf > 0.0 and paths[0].event != AT_EXIT:
+            paths[0].connects, paths[0].follow = BEFORE, FOLLOW_DIFFUSE if paths[0].has_glossy else FOLLOW_ALL
+            put(paths[0].share_taken, WHITE)
+            light_paths.take(block, workspace, vec(paths[0].direction))
         paths[0].brought = brightness(sample) - light
         if block.has_subsurface:
             ray_table(workspace)[FIRST_BRANCH_RAY + branch] = ray_table(workspace)[0]

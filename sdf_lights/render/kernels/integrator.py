@@ -20,6 +20,7 @@ from .departure import clear_self_primitive, offset_ray_origin, spawn_ray
 from .gather import gather_lamps, gather_lights, gather_surface, gather_world, last_lamp_exit
 from .geometry import find_surface, instance_table, shading_material_table, surface_table
 from .light_paths import apart as light_paths
+from .light_paths.records import FOLLOW_ALL
 from .media import apart as media
 from .media.records import inside_table
 from .next_event import light_vertex
@@ -28,12 +29,15 @@ from .outputs.records import CATCHERS, DATA, LOBES
 from .path import (
     AT_EXIT,
     AT_SURFACE,
+    BEYOND,
     CAMERA,
     CAMERA_SETS,
     IN_MEDIUM,
+    NOWHERE,
     ROULETTE_SET,
     SCATTER_SET,
     VERTEX_SETS,
+    WHITE,
     path_table,
     put_depths,
     sample_table,
@@ -137,6 +141,19 @@ def _leave_portal(workspace, path, surface, kind, wi):
 
 
 @kernel
+def _leave_to_light_paths(block, workspace, path, wi, kind):
+    """Note what connections estimate of the light from the new direction of a path; or scale the path down by that, if nothing
+    else is found there. What is scattered into a single direction at the first hit is left to the path."""
+    if kind & SINGULAR and path.follow & FOLLOW_ALL == 0:
+        path.connects = NOWHERE
+        return
+    light_paths.take(block, workspace, wi)
+    if block.light_path_all:
+        put(path.throughput, mul(vec(path.throughput), sub(WHITE, vec(path.taken))))
+        path.connects = NOWHERE
+
+
+@kernel
 def scatter(block, workspace):
     """Continue the path from ``workspace.surface``. False if it ends there."""
     path = path_table(workspace)[0]
@@ -149,6 +166,7 @@ def scatter(block, workspace):
     if block.outputs & LOBES and path.bounce == 0 and not kind & TRANSPARENT:
         outputs.divide(block, workspace, wi, kind, DIFFUSE | GLOSSY | TRANSMISSION, 0)
     if block.has_subsurface and kind & INTO_SUBSURFACE:
+        path.connects = NOWHERE
         put(path.throughput, throughput)
         put(path.direction, wi)
         return subsurface.scatter(block, workspace)
@@ -162,11 +180,14 @@ def scatter(block, workspace):
         path.t_min = beyond(path.length)
         put(path.throughput, throughput)
         if surface.portal:
+            path.connects = NOWHERE
             _leave_portal(workspace, path, surface, kind, wi)
         return True
     _count_bounce(block, path, kind)
     position = vec(surface.position)
     put(path.throughput, throughput)
+    if block.light_paths and path.connects == BEYOND:
+        _leave_to_light_paths(block, workspace, path, wi, kind)
     put(path.origin, position)
     put(path.normal, vec(surface.n))
     put(path.start, spawn_ray(workspace, surface, wi))
@@ -177,7 +198,7 @@ def scatter(block, workspace):
         path.least_pdf = min(path.least_pdf, pdf)
     path.glossy_pdf = glossy_pdf
     path.kind = kind & (DIFFUSE | GLOSSY | TRANSMISSION)
-    path.in_medium, path.light_tree, path.connects = 0, lights.tree_of(block, surface.instance), 0
+    path.in_medium, path.light_tree = 0, lights.tree_of(block, surface.instance)
     return True
 
 
@@ -222,7 +243,7 @@ def start_path(block, workspace, x, y):
     path.pdf, path.least_pdf = 0.0, np.inf
     path.kind = CAMERA
     path.bounce = path.diffuse = path.glossy = path.transmission = path.volume = path.transparent = path.last = 0
-    path.event, path.in_medium, path.crossed, path.catches, path.connects = AT_SURFACE, 0, 0, 0, 0
+    path.event, path.in_medium, path.crossed, path.catches, path.connects = AT_SURFACE, 0, 0, 0, NOWHERE
     path.left = 1.0
     path.dimension = CAMERA_SETS
     path.share, path.scattered, path.light_tree = 1.0, 0, 0
@@ -371,7 +392,7 @@ def shade_and_scatter(block, workspace, whole):
                 media.bounds(block, workspace, media.CROSS)
             return GOES_ON
     two_sided, has_glossy, scattered, light_tree = path.two_sided, path.has_glossy, path.scattered, path.light_tree
-    passed, last = path.transparent, path.last
+    passed, last, connects, taken = path.transparent, path.last, path.connects, vec(path.taken)
     if block.light_paths and path.connects and not light_paths.weigh(block, workspace):
         return ENDS
     if surface.evaluable > 0 and not last:
@@ -385,6 +406,9 @@ def shade_and_scatter(block, workspace, whole):
     if path.transparent > passed:
         # The ray that goes on is the one that came: what it meets competes with the light sampling at its origin.
         path.two_sided, path.has_glossy, path.scattered, path.light_tree = two_sided, has_glossy, scattered, light_tree
+        if block.light_paths and not surface.portal:
+            path.connects = connects
+            put(path.taken, taken)
         cut_of(workspace).lamp = -1
     path.dimension += VERTEX_SETS
     return GOES_ON

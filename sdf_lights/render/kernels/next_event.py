@@ -19,11 +19,13 @@ from ...vec import dot, largest, length, mul, negate, scale, vec
 from . import lights
 from .emission_graphs import modulated
 from .geometry import surface_at, surface_table
+from .light_paths import apart as light_paths
+from .light_paths.records import source_table as light_path_sources
 from .media import apart as media
 from .outputs import apart as outputs
 from .outputs.records import LOBES
 from .outputs.state import LIGHT_RAY
-from .path import LIGHT_SET, contribute, path_table, put_depths, sample_table
+from .path import BEYOND, LIGHT_SET, contribute, path_table, put_depths, sample_table
 from .samplers import get_4d
 from .shading import evaluate, has_lobes, shade, transmits
 from .shading.records import DIFFUSE, GLOSSY, TRANSMISSION
@@ -139,6 +141,13 @@ def divide_light(block, workspace, wi, emitter):
 
 
 @kernel
+def leave_to_light_paths(block, workspace, wi, emitter):
+    """Leave to connections what they estimate of the light of a light ray along wi, where they do so."""
+    if block.light_paths and path_table(workspace)[0].connects == BEYOND and light_path_sources(block)[emitter]:
+        light_paths.take(block, workspace, wi)
+
+
+@kernel
 def look(block, workspace, n, wi):
     """Tell the media that a light ray starts at the surface along wi. Below its shading normal n is inside, as in Cycles:
     smooth surfaces are lit from directions below their triangles, too."""
@@ -172,6 +181,7 @@ def light_lamp(block, workspace, lamp, pmf, u, u1, u2, u3):
         weight = mul(weight, transmittance(block, workspace, start, to_point, t_max, lights.blockers(block, lamp)))
         if largest(weight) > 0.0:
             divide_light(block, workspace, wi, lamp)
+            leave_to_light_paths(block, workspace, wi, lamp)
             contribute(
                 block, workspace, mul(weight, intensity), 1.0 / (pmf * distance * distance), lamp, path.bounce + 1
             )
@@ -190,6 +200,7 @@ def light_lamp(block, workspace, lamp, pmf, u, u1, u2, u3):
     radiance = visible_lamp(block, workspace, lamp, x, wi, spans, count, light_start(block, workspace, wi), u)
     if largest(radiance) > 0.0:
         divide_light(block, workspace, wi, lamp)
+        leave_to_light_paths(block, workspace, wi, lamp)
         contribute(block, workspace, mul(weight, radiance), 1.0 / pdf_sum, lamp, path.bounce + 1)
 
 
@@ -232,4 +243,5 @@ def light_vertex(block, workspace):
     if singular or not competes(block, emitter):
         scatter_pdf = 0.0
     divide_light(block, workspace, wi, emitter)
+    leave_to_light_paths(block, workspace, wi, emitter)
     contribute(block, workspace, radiance, 1.0 / (pmf * pdf + scatter_pdf), emitter, scatters)

@@ -5,13 +5,15 @@
 import numpy as np
 
 from ...jit import kernel, table
-from ...vec import ZERO, average, mul, put, put_sum, scale, vec
+from ...vec import ZERO, average, mul, put, put_sum, scale, sub, vec
 from ..scene import Ray
 from ..settings import MOST_BRANCHES
 from . import lights
+from .light_paths.records import source_table as light_path_sources
 from .outputs import apart as outputs
 from .outputs.records import LIGHT
 
+WHITE = (1.0, 1.0, 1.0)
 CAMERA = int(Ray.CAMERA)  # the kind of a path until it scatters
 
 # Sets of random numbers: two for the camera, then so many for each vertex of a path.
@@ -67,9 +69,11 @@ SAMPLE = np.dtype(
 # ``share`` is the fraction of the sample that the path represents, 1 until it splits, and ``index`` its index in the
 # sampling pattern. ``expected``: for a branch, an estimate of its light, from the irradiance at its hit; ``brought``:
 # its contribution to the sample, as a sum of RGB. ``event`` says where the ray ends, ``in_medium`` is 1 if a medium was
-# the last to scatter the path, and it has ``crossed`` so many surfaces that only bound media. ``connects`` is 1 along a
-# ray from the surface where the path split, if connections to light paths estimate the light of its next hit, too. They
-# estimate the part ``connected`` (RGB) of it. ``left`` is the part that they are expected to leave to the ray, if
+# the last to scatter the path, and it has ``crossed`` so many surfaces that only bound media. ``connects`` is BEFORE along a
+# ray from the surface where the path split, if connections to light paths estimate the light of its next hit, too; of
+# that, they can estimate the part ``taken`` (RGB). It is BEYOND from the next surface on: then they do estimate the part
+# ``taken`` of what lamps add in the present direction, and ``share_taken`` (RGB) of what the surface scatters by those
+# closures that light paths ``follow`` there. ``left`` is the part that they are expected to leave to the ray, if
 # Russian roulette has counted on that; else 1. ``catches`` is 1 once the camera's path has hit a shadow catcher.
 # ``spans`` still holds the ``kept_count`` intervals of the lamp ``kept`` along the ray; −1: of none.
 PATH = np.dtype(
@@ -114,7 +118,9 @@ PATH = np.dtype(
         ("crossed", "i8"),
         ("catches", "i8"),
         ("connects", "i8"),
-        ("connected", "f8", 3),
+        ("taken", "f8", 3),
+        ("share_taken", "f8", 3),
+        ("follow", "i8"),
         ("left", "f8"),
     ],
     align=True,
@@ -136,6 +142,8 @@ sample_table = table("sample", SAMPLE)
 
 NO_EMITTER = -1
 
+NOWHERE, BEFORE, BEYOND = range(3)  # values of ``connects``
+
 
 @kernel
 def of_instance(instance):
@@ -153,6 +161,8 @@ def contribute(block, workspace, radiance, factor, source, scatters):
     path = path_table(workspace)[0]
     sample = sample_table(workspace)[0]
     value = scale(mul(vec(path.throughput), radiance), factor)
+    if block.light_paths and path.connects == BEYOND and source >= 0 and light_path_sources(block)[source]:
+        value = mul(value, sub(WHITE, vec(path.taken)))
     limit = block.clamp_indirect if scatters > 1 else block.clamp_direct
     if limit > 0.0:
         brightness = value[0] + value[1] + value[2]

@@ -9,7 +9,7 @@ import numpy as np
 from ....jit import call_part, kernel, table
 
 # Places of the addresses, which are 0 where a scene has no light paths.
-PLACES = CHOOSE, CONNECT, SHARE, FORESEE, WEIGH = range(5)
+PLACES = CHOOSE, CONNECT, TAKE, FORESEE, WEIGH = range(5)
 
 _code = table("light_path_code", np.int64)
 
@@ -27,9 +27,9 @@ def connect(block, workspace):
 
 
 @kernel
-def share(block, workspace):
-    """See ``connections.share``."""
-    call_part(_code(block)[SHARE], block, workspace, (0.0,), 1)
+def take(block, workspace, wi):
+    """See ``connections.take``."""
+    call_part(_code(block)[TAKE], block, workspace, (wi[0], wi[1], wi[2]), 1)
 
 
 @kernel

@@ -20,11 +20,11 @@ import math
 import numpy as np
 
 from ....jit import kernel
-from ....vec import average, dot, length, madd, mul, negate, normalize, put, scale, sub, transform_normal, vec
+from ....vec import ZERO, average, dot, length, madd, mul, negate, normalize, put, scale, sub, transform_normal, vec
 from .. import lights
 from ..departure import spawn_ray
-from ..geometry import hit_material, instance_at, surface_at
-from ..path import contribute, path_table
+from ..geometry import TRIANGLES, hit_material, instance_at, instance_table, surface_at
+from ..path import BEYOND, NOWHERE, WHITE, contribute, path_table
 from ..rays import hit_instance, hit_normal, ray_table
 from ..samplers import get_1d, get_2d
 from ..shading import evaluate, shade
@@ -32,11 +32,19 @@ from ..shading.records import DIFFUSE, GLOSSY, MICROFACET, TRANSMISSION, closure
 from ..visibility import shadow_ray, transmittance
 from ..workspace import secondary_table
 from . import tree
-from .records import CONNECTS, ONLY_DIFFUSE, choice_table, material_table, node_table, vertex_table
+from .records import (
+    CONNECTS,
+    FOLLOW_ALL,
+    FOLLOW_DIFFUSE,
+    ONLY_DIFFUSE,
+    choice_table,
+    material_table,
+    node_table,
+    vertex_table,
+)
 
 CONNECTIONS = 1  # for each ray that scatters at x
 RELIEF = 0.5
-LEAST_SURVIVAL = 0.02
 CONNECTION_SETS, KIND_SETS, WEIGH_SETS = 1 << 25, 1 << 26, 1 << 27  # of random numbers, beside those of path.py
 
 
@@ -140,15 +148,20 @@ def _connect_with(block, workspace, x, n, vertex, factor, kinds):
 
 
 @kernel
-def share(block, workspace, _):
-    """Note what part of the path's light its surface scatters diffusely, along the ray that goes on: connections look
-    for that, too."""
-    path = path_table(workspace)[0]
-    wi = vec(path.direction)
-    diffuse, _, _ = evaluate(block, workspace, wi, DIFFUSE)
-    total, _, _ = evaluate(block, workspace, wi, DIFFUSE | GLOSSY | TRANSMISSION)
-    for axis in range(3):
-        path.connected[axis] = diffuse[axis] / total[axis] if total[axis] > 0.0 else 0.0
+def take(block, workspace, x, y, z):
+    """Note what part of the light from the direction (x, y, z) connections estimate, once the path's surface has scattered
+    that: ``share_taken`` of what closures scatter that light paths ``follow`` there."""
+    path, wi = path_table(workspace)[0], (x, y, z)
+    if path.follow & FOLLOW_ALL:
+        put(path.taken, vec(path.share_taken))
+    elif path.follow & FOLLOW_DIFFUSE == 0:
+        put(path.taken, ZERO)
+    else:
+        diffuse, _, _ = evaluate(block, workspace, wi, DIFFUSE)
+        total, _, _ = evaluate(block, workspace, wi, DIFFUSE | GLOSSY | TRANSMISSION)
+        for axis in range(3):
+            part = diffuse[axis] / total[axis] if total[axis] > 0.0 else 0.0
+            path.taken[axis] = path.share_taken[axis] * part
     return 0.0
 
 
@@ -158,6 +171,8 @@ def foresee(block, workspace, _):
     that is shaded."""
     path, ray = path_table(workspace)[0], ray_table(workspace)[0]
     instance = instance_at(block, hit_instance(ray))
+    if block.light_path_roulette >= 1.0 or instance.primitive != TRIANGLES:
+        return 1.0
     if material_table(block)[hit_material(instance, block, np.int64(ray.primitive))] & ONLY_DIFFUSE == 0:
         return 1.0
     x, wi = vec(path.origin), vec(path.direction)
@@ -166,40 +181,49 @@ def foresee(block, workspace, _):
     if dot(normal, wi) > 0.0:
         normal = negate(normal)
     y = madd(x, path.length, wi)
-    return 1.0 - average(vec(path.connected)) * weight(
-        block, workspace, x, vec(path.normal), y, normal, wi, path.length
-    )
+    return 1.0 - average(vec(path.taken)) * weight(block, workspace, x, vec(path.normal), y, normal, wi, path.length)
 
 
 @kernel
 def weigh(block, workspace, _):
     """Leave to connections what they find of the light that the surface of the workspace scatters. 0 if the path ends.
 
-    The diffuse closures count w₂. The path ends with the chance that this leaves over. Closures are drawn as often as before:
-    limits of bounces depend on what is drawn.
+    They find w₁ of what is scattered diffusely where the ray from x arrives, and later what light paths follow. The path
+    ends with the chance that this leaves over, but where other light may come that way. Closures are drawn as often as before: limits
+    of bounces depend on what is drawn.
     """
-    if material_table(block)[surface_table(workspace)[0].material] & CONNECTS == 0:
-        return 1.0
     path, surface, closures = path_table(workspace)[0], surface_table(workspace)[0], closure_table(workspace)
+    triangle = instance_table(block)[surface.instance].primitive == TRIANGLES
+    flags = material_table(block)[surface.material] if triangle else 0
+    if path.connects == BEYOND:
+        path.follow = flags
+        put(path.share_taken, vec(path.taken))
+        return 1.0
+    path.connects, path.follow = BEYOND, flags & ~FOLLOW_ALL
     x, y = vec(path.origin), vec(surface.position)
     way = sub(y, x)
     distance = length(way)
-    if distance <= 0.0:
-        return 1.0
-    part = weight(block, workspace, x, vec(path.normal), y, vec(surface.ng), scale(way, 1.0 / distance), distance)
+    part = 0.0
+    if flags & CONNECTS and distance > 0.0:
+        part = weight(block, workspace, x, vec(path.normal), y, vec(surface.ng), scale(way, 1.0 / distance), distance)
     if part <= 0.0:
+        path.connects = NOWHERE
         return 1.0
-    rest = (1.0 - part * path.connected[0], 1.0 - part * path.connected[1], 1.0 - part * path.connected[2])
-    total = 0.0
+    put(path.share_taken, scale(vec(path.taken), part))
+    rest = average(sub(WHITE, vec(path.share_taken)))
+    total, only_diffuse = 0.0, True
     for index in range(surface.closure_count):
         closure = closures[index]
         if closure.kind < MICROFACET and closure.singular == 0:
-            put(closure.weight, mul(vec(closure.weight), rest))
-            total += closure.pick * average(rest)
+            total += closure.pick * rest
         else:
             total += closure.pick
-    survival = min(max(total / path.left, LEAST_SURVIVAL), 1.0)
-    if get_1d(path.index, path.seed, path.dimension + WEIGH_SETS) >= survival:
-        return 0.0
-    put(path.throughput, scale(vec(path.throughput), 1.0 / survival))
+            only_diffuse = False
+    if only_diffuse:
+        path.follow |= FOLLOW_ALL
+    survival = min(max(total / path.left, block.light_path_roulette), 1.0)
+    if survival < 1.0:
+        if get_1d(path.index, path.seed, path.dimension + WEIGH_SETS) >= survival:
+            return 0.0
+        put(path.throughput, scale(vec(path.throughput), 1.0 / survival))
     return 1.0

@@ -10,16 +10,14 @@ from .. import callable_parts
 from . import apart, connections, tree
 
 KERNELS = {
-    apart.CHOOSE: tree.choose,
-    apart.CONNECT: connections.connect,
-    apart.SHARE: connections.share,
-    apart.FORESEE: connections.foresee,
-    apart.WEIGH: connections.weigh,
+    apart.CHOOSE: (tree.choose, 1),
+    apart.CONNECT: (connections.connect, 1),
+    apart.TAKE: (connections.take, 3),
+    apart.FORESEE: (connections.foresee, 1),
+    apart.WEIGH: (connections.weigh, 1),
 }
 
 
 def addresses(has_light_paths: bool, records: tuple) -> np.ndarray:
     """The table "light_path_code", for blocks and workspaces of these ``records``."""
-    return callable_parts.addresses(
-        {place: (kernel, 1) for place, kernel in KERNELS.items()} if has_light_paths else {}, len(apart.PLACES), records
-    )
+    return callable_parts.addresses(KERNELS if has_light_paths else {}, len(apart.PLACES), records)

@@ -54,8 +54,9 @@ NODE = np.dtype(
 )
 
 MOST_TOPS = 32
-# Of a material: connections find light that it scatters diffusely, and it scatters no other light.
-CONNECTS, ONLY_DIFFUSE = 1, 2
+# Of a material: connections find light that it scatters diffusely; it scatters no other light; light paths follow what it
+# scatters diffusely, and by all closures.
+CONNECTS, ONLY_DIFFUSE, FOLLOW_DIFFUSE, FOLLOW_ALL = 1, 2, 4, 8
 # What a point expects of each top node.
 CHOICE = np.dtype([("total", "f8"), ("count", "i8"), ("weight", "f8", MOST_TOPS)], align=True)
 
@@ -63,15 +64,21 @@ TABLES = {
     "light_path_nodes": NODE,
     "light_path_tops": np.dtype(np.int64),
     "light_path_vertices": VERTEX,
-    "light_path_materials": np.dtype(np.int64),  # CONNECTS, ONLY_DIFFUSE
+    "light_path_materials": np.dtype(np.int64),  # sums of CONNECTS, …
+    "light_path_sources": np.dtype(np.int64),  # of each emitter: 1 if light paths start there
     "light_path_code": np.dtype(np.int64),
 }
-SCALARS = [("light_paths", np.int64)]  # 1: strategy and tables are there
+SCALARS = [
+    ("light_paths", np.int64),  # 1: strategy and tables are there
+    ("light_path_roulette", np.float64),  # the least chance with which a path goes on where connections find its light
+    ("light_path_all", np.int64),  # 1: all light that a path finds beyond a connection is of light paths, too
+]
 WORKSPACE_TABLES = {"light_path_choice": CHOICE}
 WORKSPACE_COUNTS = {"light_path_choice": 1}
 
 node_table = table("light_path_nodes", NODE)
 top_table = table("light_path_tops", np.int64)
 material_table = table("light_path_materials", np.int64)
+source_table = table("light_path_sources", np.int64)
 vertex_table = table("light_path_vertices", VERTEX)
 choice_table = table("light_path_choice", CHOICE)

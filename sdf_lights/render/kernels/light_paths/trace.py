@@ -22,7 +22,7 @@ from ....jit import kernel
 from ....vec import ZERO, add, average, dot, largest, length, madd, mul, negate, put, scale, sub, vec
 from ..camera import camera_ray
 from ..departure import clear_self_primitive, offset_ray_origin, spawn_ray
-from ..geometry import find_surface, surface_at, surface_table
+from ..geometry import TRIANGLES, find_surface, instance_table, surface_at, surface_table
 from ..rays import SHADOW_OPAQUE, beyond, hit_instance, intersect, occluded, ray_table, start_anew
 from ..samplers import get_2d, get_3d, get_4d, pixel_seed
 from ..shading import evaluate, sample, shade
@@ -38,7 +38,7 @@ from ..shading.records import (
 )
 from ..visibility import shadow_ray
 from ..workspace import secondary_table
-from .records import CONNECTS, material_table
+from .records import CONNECTS, FOLLOW_ALL, FOLLOW_DIFFUSE, material_table, source_table
 
 ANY = DIFFUSE | GLOSSY | TRANSMISSION
 SAME_DIRECTION = 1.0 - 1e-9  # cosine of the angle between what a mirror gives and what it should
@@ -49,18 +49,24 @@ PLACE = 1 << 20  # of a pixel that no picture has, whose numbers light paths hav
 
 
 @kernel
+def _power(block, lamp):
+    """Of a lamp from which light paths start; else 0."""
+    return lamp_table(block)[lamp].power if source_table(block)[lamp] else 0.0
+
+
+@kernel
 def _start(block, index, total, seed):
     """Emitter, start, direction and flux (RGB, W) of a light path; the emitter is −1 if there is no light."""
     u = get_4d(index, seed, 0)
     sum_of_powers = 0.0
     for lamp in range(block.lamp_count):
-        sum_of_powers += lamp_table(block)[lamp].power
+        sum_of_powers += _power(block, lamp)
     left, lamp = u[0] * sum_of_powers, 0
-    while lamp < block.lamp_count - 1 and left >= lamp_table(block)[lamp].power:
-        left -= lamp_table(block)[lamp].power
+    while lamp < block.lamp_count - 1 and left >= _power(block, lamp):
+        left -= _power(block, lamp)
         lamp += 1
     row = lamp_table(block)[lamp]
-    if not row.power > 0.0:
+    if not _power(block, lamp) > 0.0:
         return -1, ZERO, ZERO, ZERO
     offset = lamps.way_inside(block, lamp, vec(row.center), u[1], u[2], u[3])
     v = get_2d(index, seed, 1)
@@ -114,15 +120,14 @@ def _scattered(block, workspace, wi, kind, pdf):
     if kind & SINGULAR:
         value, _, ratio = _mirrored(workspace, wi)
         return scale(value, turn * ratio), 1.0
-    value, density, glossy_pdf = evaluate(block, workspace, wi, ANY)
+    kinds = ANY if material_table(block)[surface.material] & FOLLOW_ALL else DIFFUSE
+    value, density, glossy_pdf = evaluate(block, workspace, wi, kinds)
     return scale(value, turn), glossy_pdf / density if density > 0.0 else 0.0
 
 
 @kernel
-def _diffuse(block, workspace):
-    """Whether the surface of the workspace scatters some light diffusely, and connections find all of that."""
-    if material_table(block)[surface_table(workspace)[0].material] & CONNECTS == 0:
-        return False
+def _diffuse(workspace):
+    """Whether the surface of the workspace scatters some light diffusely."""
     closures = closure_table(workspace)
     for index in range(surface_table(workspace)[0].closure_count):
         if closures[index].kind < MICROFACET and closures[index].singular == 0:
@@ -170,9 +175,11 @@ def _trace(block, workspace, index, total, seed, raw, first, width):
         wi = negate(direction)
         find_surface(block, workspace, wi, DIFFUSE, 0.0)
         shade(block, workspace)
+        triangle = instance_table(block)[instance].primitive == TRIANGLES
+        flags = material_table(block)[surface.material] if triangle else 0
         position, ng = vec(surface.position), vec(surface.ng)
         albedo = average(mul(vec(surface.diffuse_albedo), flux))
-        if albedo > 0.0 and _diffuse(block, workspace):
+        if albedo > 0.0 and flags & CONNECTS and _diffuse(workspace):
             vertex = raw[first + count]
             put(vertex.position, position)
             put(vertex.normal, ng)
@@ -193,10 +200,12 @@ def _trace(block, workspace, index, total, seed, raw, first, width):
             return count
         if kind & TRANSPARENT:
             transparent += 1
-            if transparent > block.transparent_bounces:
+            if surface.portal or transparent > block.transparent_bounces:
                 return count
             t_min = beyond(distance)
         else:
+            if flags & FOLLOW_ALL == 0 and (flags & FOLLOW_DIFFUSE == 0 or kind & SINGULAR):
+                return count
             if kind & SINGULAR:
                 _, pdf, _ = _mirrored(workspace, direction)
                 if pdf <= 0.0:
