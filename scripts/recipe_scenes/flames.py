@@ -115,8 +115,9 @@ def glass_bulb(scene) -> None:
         thin.node("ShaderNodeBsdfTransparent", Color=(0.98, 0.95, 0.9)),
         thin.node("ShaderNodeBsdfGlossy", Roughness=0.02),
     )
+    rim = thin.node("ShaderNodeLayerWeight", "Facing", Blend=0.15)
     clear = thin.finish(
-        thin.node("ShaderNodeMixShader", _0=thin.node("ShaderNodeFresnel", IOR=1.5), _1=through, _2=mirror)
+        thin.node("ShaderNodeMixShader", _0=rim, _1=through, _2=mirror)
     )
     outline = [
         (0.0, 0.135),
