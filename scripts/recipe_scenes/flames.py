@@ -116,9 +116,7 @@ def glass_bulb(scene) -> None:
         thin.node("ShaderNodeBsdfGlossy", Roughness=0.02),
     )
     rim = thin.node("ShaderNodeLayerWeight", "Facing", Blend=0.15)
-    clear = thin.finish(
-        thin.node("ShaderNodeMixShader", _0=rim, _1=through, _2=mirror)
-    )
+    clear = thin.finish(thin.node("ShaderNodeMixShader", _0=rim, _1=through, _2=mirror))
     outline = [
         (0.0, 0.135),
         (0.028, 0.13),
