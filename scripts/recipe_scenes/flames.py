@@ -99,8 +99,8 @@ def glass_bulb(scene) -> None:
     """Bulbs with coils that glow.
 
     1. Model a bulb: half of its outline, and a **Screw** modifier.
-    2. Give it thin glass: a **Mix Shader** of **Transparent BSDF** and **Glossy BSDF**, with *Facing* of a **Layer
-       Weight** node as its factor (*Blend* 0.15). Light goes straight through, without noise.
+    2. Give it thin glass: a **Mix Shader** of **Transparent BSDF** and **Glossy BSDF**, with a **Fresnel** node as
+       its factor. Light goes straight through, without noise.
     3. Choose Add > Light > SDF Lamp > Presets > **Filament**. Set *Radius* to 0.11 m, *Pitch* to 0.07 m, *Turns* to
        6 and *Wire* to 0.009 m. Scale it by 0.15, and put it into the bulb.
     4. Set *Temperature* to 2000 K, *Power* to 2.2 W, and *Camera Brightness* to 0.003: one sees the coil, not a
@@ -115,8 +115,9 @@ def glass_bulb(scene) -> None:
         thin.node("ShaderNodeBsdfTransparent", Color=(0.98, 0.95, 0.9)),
         thin.node("ShaderNodeBsdfGlossy", Roughness=0.02),
     )
-    rim = thin.node("ShaderNodeLayerWeight", "Facing", Blend=0.15)
-    clear = thin.finish(thin.node("ShaderNodeMixShader", _0=rim, _1=through, _2=mirror))
+    clear = thin.finish(
+        thin.node("ShaderNodeMixShader", _0=thin.node("ShaderNodeFresnel", IOR=1.5), _1=through, _2=mirror)
+    )
     outline = [
         (0.0, 0.135),
         (0.028, 0.13),
