@@ -18,6 +18,7 @@ import time
 import host
 import numpy as np
 import OpenImageIO
+import shipped_kernels
 from sessions import SessionError, seen_by
 
 from . import errors, some_of
@@ -133,9 +134,10 @@ def _in_window(folder: pathlib.Path, path: pathlib.Path, *words: str) -> dict:
 
 
 def _first_pixels() -> dict | None:
-    """Seconds until the first pixels in a window, each in a new installation; None if there is no Blender with one."""
+    """Seconds until the first pixels in a window, each in a new installation; None if there is no Blender with one, or no zip
+    with kernels for its Python."""
     command = host.windowed_blender()
-    if command is None:
+    if command is None or shipped_kernels.interpreter(host.python_of(command)) is None:
         return None
     with tempfile.TemporaryDirectory(dir=work_folder()) as name:
         path = _zip(pathlib.Path(name), host.python_of(command), kernels=True)
