@@ -87,17 +87,21 @@ def first_minute(command: list[str], folder: pathlib.Path) -> None:
     """Install a zip in a Blender with empty user folders, and take the strip of its first minute."""
     session = REPOSITORY / "scripts" / "first_minute_session.py"
     path = build_extension.build(build_extension.this_platform(), python_of(command), folder)
-    # Kernels of this Blender's Python, as a zip from its own platform ships them.
-    environment = {"SDF_LIGHTS_CACHE": str(pathlib.Path(tempfile.gettempdir()) / "sdf_lights_kernels")}
-    for name, words in (("kernels", []), ("window", [str(folder)])):
-        environment["BLENDER_USER_RESOURCES"] = str(folder / name)
-        (folder / name).mkdir()
-        if words:
-            report = seen_by(command, session, folder, str(path), *words, environment=environment, size=(1240, 800))
-            print({name: round(seconds, 1) for name, seconds in report["seconds"].items()})
-        else:
-            arguments = ["--background", "--factory-startup", "--python-exit-code", "1", "--python", session, "--"]
-            subprocess.run([*command, *arguments, folder / "none", path], env=os.environ | environment, check=True)
+    # The preferences show where the add-on and its kernels are: names that say nothing about a machine.
+    shown = pathlib.Path(tempfile.gettempdir()) / "blender"
+    environment = {"BLENDER_USER_RESOURCES": str(shown), "SDF_LIGHTS_CACHE": str(shown / "kernels")}
+    shown.mkdir()
+    try:
+        # Kernels of this Blender's Python, as a zip from its own platform ships them.
+        arguments = ["--background", "--factory-startup", "--python-exit-code", "1", "--python", session, "--"]
+        subprocess.run([*command, *arguments, folder / "none", path], env=os.environ | environment, check=True)
+        for each in shown.iterdir():
+            if each.name != "kernels":
+                shutil.rmtree(each)
+        report = seen_by(command, session, folder, str(path), str(folder), environment=environment, size=(1240, 800))
+    finally:
+        shutil.rmtree(shown)
+    print({name: round(seconds, 1) for name, seconds in report["seconds"].items()})
     pictures = REPOSITORY / "docs" / "images"
     write_strip(folder, FIRST_MINUTE, pictures / "first_minute.jpg")
     shutil.copyfile(folder / "preferences.png", pictures / "panels_preferences.png")

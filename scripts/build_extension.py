@@ -17,6 +17,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tempfile
 import tomllib
 import zipfile
 from dataclasses import dataclass
@@ -171,7 +172,7 @@ def _add_kernels(stage: pathlib.Path, platform: str, python: str) -> bool:
     try:
         shipped_kernels.ship(shipped_kernels.compiled(stage, interpreter), stage / "sdf_lights")
     except subprocess.CalledProcessError as error:
-        raise BuildError(f"Compiling the kernels failed:\n{error.stdout}{error.stderr}".rstrip()) from error
+        raise BuildError(f"Compiling the kernels failed:\n{error.stderr}".rstrip()) from error
     return True
 
 
@@ -197,32 +198,36 @@ def build(
     wheels = collect_wheels(platform, python) if with_wheels else []
     about = tomllib.loads(MANIFEST.read_text(encoding="utf-8"))
     name = f"{about['id']}-{about['version']}-{platform}-python{python}" + ("" if with_wheels else "-no_wheels")
-    stage = REPOSITORY / "build" / "extension" / name
-    shutil.rmtree(stage, ignore_errors=True)
-    stage.mkdir(parents=True)
-    for entry in CONTENTS:
-        source = REPOSITORY / entry
-        if source.is_dir():
-            shutil.copytree(source, stage / entry, ignore=shutil.ignore_patterns("__pycache__", "*.pyc", ".*"))
-        elif source.is_file():
-            shutil.copy2(source, stage / entry)
-    for wheel in wheels:
-        (stage / "wheels").mkdir(exist_ok=True)
-        shutil.copy2(wheel, stage / "wheels" / wheel.name)
-    if with_kernels and with_wheels and not _add_kernels(stage, platform, python):
-        print(f"{name}: without compiled kernels, which only {platform} with Python {python} can make", file=sys.stderr)
-    (stage / "blender_manifest.toml").write_text(manifest(platform, python, wheels), encoding="utf-8")
-
-    tool, tags = blender_tool()
     out.mkdir(parents=True, exist_ok=True)
     path = out.resolve() / f"{name}.zip"
-    _run(
-        [sys.executable, tool, "build", "--source-dir", stage, "--output-filepath", path, f"--valid-tags={tags}"],
-        f"Building {path.name}",
-    )
+    stages = REPOSITORY / "build" / "extension"
+    stages.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=stages) as folder:  # one for each build: several may run at once
+        stage = pathlib.Path(folder) / about["id"]
+        stage.mkdir()
+        for entry in CONTENTS:
+            source = REPOSITORY / entry
+            if source.is_dir():
+                shutil.copytree(source, stage / entry, ignore=shutil.ignore_patterns("__pycache__", "*.pyc", ".*"))
+            elif source.is_file():
+                shutil.copy2(source, stage / entry)
+        for wheel in wheels:
+            (stage / "wheels").mkdir(exist_ok=True)
+            shutil.copy2(wheel, stage / "wheels" / wheel.name)
+        if with_kernels and with_wheels and not _add_kernels(stage, platform, python):
+            print(
+                f"{name}: without compiled kernels, which only {platform} with Python {python} can make",
+                file=sys.stderr,
+            )
+        (stage / "blender_manifest.toml").write_text(manifest(platform, python, wheels), encoding="utf-8")
+
+        tool, tags = blender_tool()
+        _run(
+            [sys.executable, tool, "build", "--source-dir", stage, "--output-filepath", path, f"--valid-tags={tags}"],
+            f"Building {path.name}",
+        )
     settle(path)
     _run([sys.executable, tool, "validate", f"--valid-tags={tags}", path], f"Validating {path.name}")
-    shutil.rmtree(stage)
     return path
 
 
@@ -313,7 +318,7 @@ def main(arguments: list[str]) -> int:
         "--python",
         choices=[*PYTHONS, "all"],
         help="Python of the Blender to install in: 3.11 up to Blender 5.0, 3.13 from 5.1; "
-        "3.14 for a Blender that a Linux distribution built; all: the first two",
+        "3.14 for a Blender that a Linux distribution built",
     )
     parser.add_argument(
         "--blender",
@@ -334,7 +339,7 @@ def main(arguments: list[str]) -> int:
     options = parser.parse_args(arguments)
     platforms = list(PLATFORMS) if options.platform == "all" else [options.platform]
     try:
-        pythons = ["3.11", "3.13"] if options.python == "all" else [asked_python(options.python, options.blender)]
+        pythons = list(PYTHONS) if options.python == "all" else [asked_python(options.python, options.blender)]
         for version in pythons:
             for platform in platforms:
                 path = build(platform, version, options.out, not options.no_wheels, not options.no_kernels)

@@ -68,9 +68,9 @@ def steps():
     bpy.data.objects.remove(bpy.data.objects["Light"])
     with override(view):
         bpy.ops.mesh.primitive_plane_add(size=14.0, location=(0.0, 0.0, -1.0))
-        bpy.ops.sdf_lights.lamp_add(source="PRESET", preset="NEON_HEART", location=(0.0, 0.0, 1.75))
+        bpy.ops.sdf_lights.lamp_add(source="PRESET", preset="NEON_HEART", location=(0.0, 0.0, 1.5))
     lamp = bpy.context.object
-    lamp.rotation_euler.z, lamp.scale, lamp.data.energy = 0.8, (2.0, 2.0, 2.0), 80.0
+    lamp.rotation_euler.z, lamp.scale, lamp.data.energy = 0.8, (1.2, 1.2, 1.2), 50.0
     scene.sdf_lights.samples = scene.sdf_lights.viewport.samples = 24
     scene.sdf_lights.denoise = scene.sdf_lights.viewport.denoise = True
     drawn = part("blender.viewport.drawn")

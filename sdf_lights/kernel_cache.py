@@ -3,8 +3,8 @@
 """Compiled kernels on disk: one file each, whose checksum is verified before its content is read.
 
 A file is written under a temporary name, flushed and renamed, so a second process or a crash never leaves half a file.
-A damaged file, or one that could be another user's work, is deleted and compiled again. If the folder cannot be
-written, only compile time is lost: ``problem`` says so, and nothing fails.
+A damaged file, or one that could be another user's work, is deleted and compiled again: ``refused`` says so. If the folder
+cannot be written, only compile time is lost: ``problem`` says so, and nothing fails.
 """
 
 from __future__ import annotations
@@ -29,11 +29,24 @@ _DIGEST = hashlib.sha256().digest_size
 _WRITABLE_BY_OTHERS = 0o022
 
 _problems: list[str] = []
+_refused: list[pathlib.Path] = []
 
 
 def problem() -> str:
     """One sentence with the reason why kernels cannot be kept on disk; empty if they can."""
     return _problems[0] if _problems else ""
+
+
+def refused() -> str:
+    """One sentence about files that were not used since the last call; empty if there were none."""
+    found = list(_refused)
+    _refused.clear()
+    if not found:
+        return ""
+    return (
+        f"{len(found)} damaged or foreign {'file' if len(found) == 1 else 'files'} of compiled kernels in "
+        f"'{found[0].parent}' {'was' if len(found) == 1 else 'were'} not used; the kernels have been compiled again."
+    )
 
 
 def note(folder: pathlib.Path, error: OSError) -> None:
@@ -140,6 +153,7 @@ def _verified(path: pathlib.Path) -> bytes | None:
         return None
     payload = _checked(found)
     if payload is None:
+        _refused.append(path)
         drop(path)
     return payload
 

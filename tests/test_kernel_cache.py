@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Compiled kernels on disk survive whatever happens to their files."""
 
+import dataclasses
 import os
 import pathlib
 import random
@@ -13,8 +14,10 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
-from sdf_lights import kernel_cache
+from sdf_lights import jit, kernel_cache
 from sdf_lights.kernel_cache import MAGIC, Files
+from sdf_lights.render import session
+from support.scenes import cove
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
 KEY = ("(float64) -> float64", "x86", "")
@@ -23,6 +26,7 @@ KEY = ("(float64) -> float64", "x86", "")
 @pytest.fixture
 def files(tmp_path, monkeypatch):
     monkeypatch.setattr(kernel_cache, "_problems", [])
+    monkeypatch.setattr(kernel_cache, "_refused", [])
     return Files(tmp_path / "0123456789abcdef" / "module", "kernel-1.py313")
 
 
@@ -60,8 +64,26 @@ def test_a_damaged_file_is_dropped(files, damage):
     path.write_bytes(damage(path.read_bytes()))
     assert files.load(KEY) is None
     assert not path.exists()
+    assert str(path.parent) in kernel_cache.refused() and kernel_cache.refused() == ""
     files.save(KEY, "again")
     assert files.load(KEY) == "again"
+
+
+@pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installed")
+def test_a_render_says_once_that_files_were_damaged(files):
+    for key in ("first", "second"):
+        files.save(key, "code")
+        files.path(key).write_bytes(MAGIC)
+        assert files.load(key) is None
+    told = []
+    for _ in range(2):
+        scene = cove(8, 6)
+        scene.settings = dataclasses.replace(scene.settings, samples=1)
+        session.render(scene, ())
+        told.append(scene.warnings)
+    sentence = f"2 damaged or foreign files of compiled kernels in '{files.path(KEY).parent}' were not used"
+    assert [sentence in text for text in told[0]] == [True]
+    assert told[1] == []
 
 
 @pytest.mark.skipif(not hasattr(os, "getuid"), reason="rights of files are by the folder here")
@@ -107,7 +129,7 @@ PROGRAM = """
 import sys
 sys.path.insert(0, {root!r})
 {before}
-from sdf_lights import kernel_cache
+from sdf_lights import jit, kernel_cache
 from sdf_lights.render.kernels.samplers import get_1d, pixel_seed
 print(get_1d(3, pixel_seed(1, 2, 3), 4), pixel_seed(1, 2, 3), bool(kernel_cache.problem()))
 """

@@ -4,6 +4,7 @@
 time.
 
     python start_session.py REPORT.json ZIP F12                        in Blender's Python module
+    blender … --python start_session.py -- REPORT.json ZIP PIXELS VIEWPORT|F12
     blender … --python start_session.py -- REPORT.json ZIP STALLS SECONDS
 
 BLENDER_USER_RESOURCES names an empty folder.
@@ -49,7 +50,51 @@ def first_picture() -> None:
         started, processor = time.perf_counter(), time.process_time()
         bpy.ops.render.render()
         seconds.append((time.perf_counter() - started, time.process_time() - processor))
-    write(dict(first=seconds[0][0], first_processor=seconds[0][1], later=seconds[1][0]))
+    from bl_ext.user_default.sdf_lights.sdf_lights.render.session import process_memory
+
+    write(
+        dict(
+            first=seconds[0][0],
+            first_processor=seconds[0][1],
+            later=seconds[1][0],
+            memory=process_memory() / 1e6,
+        )
+    )
+
+
+def first_pixels() -> None:
+    """Seconds from the begin and from the end of the installation until the window has the first pixels of a lamp: in a rendered
+    viewport, or of an F12."""
+    state = dict(begun=0.0, installed=0.0, step=0)
+
+    def done(*_) -> None:
+        now = time.perf_counter()
+        write(dict(from_begin=now - state["begun"], from_end=now - state["installed"]))
+
+    def tick():
+        if state["step"] == 0:
+            state["begun"] = time.perf_counter()
+            install()
+            state.update(installed=time.perf_counter(), step=1)
+            scene = bpy.context.scene
+            bpy.data.lights["Light"].sdf_lamp.use = True
+            scene.render.engine = "SDF_LIGHTS"
+            if ARGUMENTS[3] == "F12":
+                scene.render.resolution_percentage, scene.sdf_lights.samples = 25, 1
+                bpy.context.preferences.view.render_display_type = "NONE"
+                bpy.app.handlers.render_complete.append(done)
+                with bpy.context.temp_override(window=bpy.context.window_manager.windows[0]):
+                    bpy.ops.render.render("INVOKE_DEFAULT")
+                return None
+            for area in bpy.context.window_manager.windows[0].screen.areas:
+                if area.type == "VIEW_3D":
+                    area.spaces.active.shading.type = "RENDERED"
+        rendered = sys.modules.get(f"{EXTENSION}.sdf_lights.blender.viewport.rendered")
+        if rendered and any(each._render.picture for each in rendered._running):
+            done()
+        return TICK
+
+    bpy.app.timers.register(tick, first_interval=SETTLED, persistent=True)
 
 
 def stalls() -> None:
@@ -102,5 +147,7 @@ def stalls() -> None:
 
 if ARGUMENTS[2] == "F12":
     first_picture()
+elif ARGUMENTS[2] == "PIXELS":
+    first_pixels()
 else:
     stalls()

@@ -5,8 +5,10 @@
 import json
 import os
 import pathlib
+import re
 import subprocess
 import sys
+import tomllib
 import zipfile
 
 import numpy as np
@@ -24,6 +26,19 @@ PRESENT = dict(engine=True, lamp=True, settings=True, enabled=True)
 ABSENT = dict(engine=False, lamp=False, settings=False, enabled=False)
 
 
+def older_version(path: pathlib.Path, folder: pathlib.Path) -> pathlib.Path:
+    """A zip as of an older version, with a file that the new one does not have."""
+    older = folder / f"older-{path.name}"
+    with zipfile.ZipFile(path) as source, zipfile.ZipFile(older, "w") as target:
+        for name in source.namelist():
+            content = source.read(name)
+            if name == "blender_manifest.toml":
+                content = re.sub(rb'(?m)^version = ".*"$', b'version = "0.0.1"', content)
+            target.writestr(name, content)
+        target.writestr("of_old.py", "")
+    return older
+
+
 def run_session(
     command: list[str], zip_path: pathlib.Path, folder: pathlib.Path, compiles: bool = True
 ) -> tuple[dict, str]:
@@ -33,7 +48,7 @@ def run_session(
     environment = {name: value for name, value in os.environ.items() if name != "SDF_LIGHTS_CACHE" or not compiles}
     environment["BLENDER_USER_RESOURCES"] = str(resources)
     done = subprocess.run(
-        [*command, str(zip_path), str(report)],
+        [*command, str(older_version(zip_path, folder)), str(zip_path), str(report)],
         env=environment,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
@@ -48,7 +63,10 @@ def run_session(
 
 def judge(seen: dict, printed: str) -> None:
     """What holds with and without the wheels."""
-    assert seen["installed"] == PRESENT
+    assert seen["older"] == PRESENT | dict(version="0.0.1", files=["__init__.py", "of_old.py"])
+    about = tomllib.loads(build_extension.MANIFEST.read_text(encoding="utf-8"))
+    assert seen["installed"] == PRESENT | dict(version=about["version"], files=["__init__.py"])
+    assert seen["threads"] == 3  # preferences outlive an update
     assert seen["disabled"] == ABSENT
     assert seen["enabled"] == PRESENT
     assert seen["removed"] == ABSENT

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What test_zip runs inside a Blender: install the zip, render, disable, enable, render, remove.
+"""What test_zip runs inside a Blender: install an older version, update it, render, disable, enable, render, remove.
 
-    python zip_session.py ZIP REPORT.json          in Blender's Python module
-    blender --python zip_session.py -- ZIP REPORT.json
+    python zip_session.py OLDER.zip ZIP REPORT.json          in Blender's Python module
+    blender --python zip_session.py -- OLDER.zip ZIP REPORT.json
 
 BLENDER_USER_RESOURCES names an empty folder. The report says what was seen at each step; judging it is the test's part.
 """
@@ -13,6 +13,7 @@ import json
 import os
 import pathlib
 import sys
+import tomllib
 import traceback
 
 import bpy
@@ -87,11 +88,22 @@ def state() -> dict:
     )
 
 
-def session(zip_path: str) -> dict:
+def installed() -> dict:
+    """The version on disk, and the Python files at the top of its folder."""
+    folder = RESOURCES / "extensions" / "user_default" / "sdf_lights"
+    about = tomllib.loads((folder / "blender_manifest.toml").read_text(encoding="utf-8"))
+    return dict(version=about["version"], files=sorted(path.name for path in folder.glob("*.py")))
+
+
+def session(older: str, zip_path: str) -> dict:
     report = dict(blender=bpy.app.version_string, background=bpy.app.background)
     sys.meta_path.insert(0, BundledOnly)
+    bpy.ops.extensions.package_install_files(filepath=older, repo="user_default", enable_on_install=True)
+    report["older"] = state() | installed()
+    bpy.context.preferences.addons[EXTENSION].preferences.threads = 3
     bpy.ops.extensions.package_install_files(filepath=zip_path, repo="user_default", enable_on_install=True)
-    report["installed"] = state()
+    report["installed"] = state() | installed()
+    report["threads"] = bpy.context.preferences.addons[EXTENSION].preferences.threads
     make_scene()
     report["picture"] = render()
     report["modules"] = {name: getattr(sys.modules.get(name), "__file__", None) for name in sorted(BUNDLED)}
@@ -115,9 +127,9 @@ def session(zip_path: str) -> dict:
 
 
 def main() -> None:
-    zip_path, report_path = sys.argv[sys.argv.index("--") + 1 if "--" in sys.argv else 1 :]
+    older, zip_path, report_path = sys.argv[sys.argv.index("--") + 1 if "--" in sys.argv else 1 :]
     try:
-        report = session(zip_path)
+        report = session(older, zip_path)
     except Exception:
         report = dict(error=traceback.format_exc())
     pathlib.Path(report_path).write_text(json.dumps(report), encoding="utf-8")

@@ -4,6 +4,7 @@
 does not gain, keeps its picture to the last bit. ``test_agreement`` compares the scene "cove" with the reference."""
 
 import dataclasses
+import itertools
 
 import numpy as np
 import pytest
@@ -75,6 +76,41 @@ def test_samples_do_not_depend_on_how_they_are_asked_for():
             assert renderer.sample(film.samples, count, lambda: False, lambda part: None)
         found.append(film.read("Combined"))
     assert np.array_equal(*found)
+
+
+@pytest.mark.parametrize("ends", [(0, 16, 32, 48, 64), (0, 5, 24, 25, 64)], ids=["equal", "anywhere"])
+def test_ranges_of_samples_are_one_render(ends):
+    """Their mean by the number of samples is the picture of one render: ranges have the light paths that their samples have there."""
+
+    def part(first: int, end: int) -> np.ndarray:
+        fixed = dict(sample_offset=first, samples=end - first, indirect_paths=2, guided_samples=False)
+        return picture(ALWAYS, change=_only_walls, **fixed)
+
+    whole, parts = part(0, 64), [part(*each) for each in itertools.pairwise(ends)]
+    joined = np.average(parts, axis=0, weights=np.diff(ends))
+    np.testing.assert_allclose(joined, whole, rtol=2e-5, atol=1e-7)
+    assert not np.allclose(parts[1], parts[2], rtol=1e-2)  # no two have the same samples
+
+
+@pytest.mark.slow
+def test_ranges_that_choose_light_paths_themselves_have_no_bias():
+    """Each range tries light paths by its own samples. The mean of four ranges is that of renders without light paths, within
+    4.5 standard errors: by chance, one set of seeds in a hundred thousand would not be."""
+
+    def joined(seed: int) -> float:
+        return float(
+            np.mean(
+                [
+                    picture(AUTOMATIC, size=(48, 36), change=_only_walls, samples=16, sample_offset=first, seed=seed)
+                    for first in range(0, 64, 16)
+                ]
+            )
+        )
+
+    without = [picture(WITHOUT, size=(48, 36), change=_only_walls, samples=64, seed=seed).mean() for seed in range(8)]
+    found = [joined(seed) for seed in range(8)]
+    error = np.sqrt((np.var(found, ddof=1) + np.var(without, ddof=1)) / 8)
+    assert abs(np.mean(found) - np.mean(without)) < 4.5 * error
 
 
 def _only_walls(scene) -> None:

@@ -39,8 +39,9 @@ from ..scene import ALL_SETS, MANY_BOUNCES, Primitive, Ray, Scene, catches_shado
 from ..settings import LARGEST_BATCH, LampPaths
 from .block import PackedScene, Workspace
 
-# Samples of pixels for each light path of a pass, and for each of the tree: both take about 2 % of the time of these samples.
-SHARED, TREE_SHARED = 16, 32
+# Samples of pixels for each light path of a pass, which takes about 2 % of the time of these samples; pixels for each light path of the
+# tree. The tree does not depend on the number of samples, so ranges of samples have the tree of the whole.
+SHARED, TREE_SHARED = 16, 2
 MOST_PATHS, MOST_TREE_PATHS = 16384, 8192
 PILOT_NUMBER = 1 << 30  # of light paths: beyond those of samples
 MOST_VERTICES = 32  # of a path
@@ -173,21 +174,27 @@ class LightPaths:
     def use(self, sample: int) -> int:
         """Connect the next paths with the light paths of the set to which this sample belongs; returns the end of the set.
 
-        The set depends on the sample's number alone. Each is as large as its samples are worth.
+        The set depends on the sample's number in the pattern of the seed alone, so renders that share the samples of a picture
+        have the light paths of one render. Each is as large as its samples are worth.
         """
-        size = 1
-        while 2 * size <= min(sample, LARGEST_BATCH, MOST_PATHS * SHARED // self._pixels):
+        offset = self._scene.settings.sample_offset
+        number, size = sample + offset, 1
+        while 2 * size <= min(number, LARGEST_BATCH, MOST_PATHS * SHARED // self._pixels):
             size *= 2
-        first = sample - sample % size
-        self._connect(first + self._scene.settings.sample_offset, size)
-        return first + size
+        first = number - number % size
+        if self._connected != first:  # a range may begin inside a set, and take it in several batches
+            self._connect(first, size)
+            self._connected = first
+        return first + size - offset
 
     def use_pilot(self, sample: int) -> None:
         """As ``use``, for a pilot, with light paths that no set has."""
+        self._connected = None
         self._connect(PILOT_NUMBER + sample, 1)
 
     def rest(self) -> None:
         """Connect the next paths with nothing."""
+        self._connected: int | None = None
         self._packed.set_light_paths(self._lasting, self._scalars)
 
     def _settled(self) -> dict[str, float]:
@@ -213,8 +220,7 @@ class LightPaths:
 
     def _build(self) -> None:
         """Make the tree by light paths that no sample has: weights must not depend on the vertices that they are for."""
-        samples = self._scene.settings.samples
-        raw, lengths = self._trace(0, _paths(self._pixels * samples / TREE_SHARED, MOST_TREE_PATHS))
+        raw, lengths = self._trace(0, _paths(self._pixels / TREE_SHARED, MOST_TREE_PATHS))
         rows = np.arange(len(raw)).reshape(len(lengths), self._width)
         vertices = raw[rows[np.arange(self._width) < lengths[:, None]]]
         pilots = np.zeros((PILOTS, 3))

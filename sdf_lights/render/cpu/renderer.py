@@ -78,8 +78,7 @@ class CpuRenderer:
             say(_compiling(compiled) or watch.doing or "Building the scene")
             thread.join(2 * POLL_SECONDS)
         _raise_first(failures)
-        if kernel_cache.problem():
-            scene.warnings.append(kernel_cache.problem())
+        scene.warnings += filter(None, (kernel_cache.problem(), kernel_cache.refused()))
         return True
 
     def update_lights(self, scene: Scene) -> None:

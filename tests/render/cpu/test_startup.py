@@ -9,12 +9,12 @@ import sys
 
 import pytest
 
-from sdf_lights import machine_code
+from sdf_lights import kernel_code, machine_code
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[3]
 
 
-def run(code: str, cache: pathlib.Path) -> str:
+def run(code: str, cache: pathlib.Path, timeout: float = 120.0) -> str:
     cache.mkdir(exist_ok=True)
     environment = {**os.environ, "SDF_LIGHTS_CACHE": str(cache), "PYTHONPATH": str(REPOSITORY)}
     return subprocess.run(
@@ -24,7 +24,7 @@ def run(code: str, cache: pathlib.Path) -> str:
         capture_output=True,
         text=True,
         check=True,
-        timeout=120,
+        timeout=timeout,
     ).stdout.strip()
 
 
@@ -77,6 +77,51 @@ def test_code_that_llvm_loads_gives_the_same(tmp_path):
     assert compiler == "True" and run(ours, tmp_path / "ours").split() == [*first, "False"]
     for _ in range(2):
         assert run(llvm, tmp_path / "llvm").split() == [*first, "True"]
+
+
+def test_the_processor_is_known_where_no_file_describes_it(monkeypatch):
+    """As on Windows and macOS, where LLVM tells."""
+    found = kernel_code._processor_features() & kernel_code.BASE_FEATURES
+
+    def refuse(path, *arguments, **options):
+        raise FileNotFoundError(path)
+
+    monkeypatch.setattr("builtins.open", refuse)
+    assert kernel_code._processor_features() & kernel_code.BASE_FEATURES == found
+
+
+RENDER = """
+import sys
+from sdf_lights import jit, machine_code
+machine_code.AVAILABLE = {available}
+import dataclasses
+import numpy as np
+from support.scenes import cove
+from sdf_lights.render import session
+from sdf_lights.render.settings import LampPaths
+from sdf_lights.sdf.shapes import Box, Difference, Sphere
+scene = cove(16, 12)
+scene.lamps[0] = dataclasses.replace(scene.lamps[0], shape=Difference(Box((0.3, 0.3, 0.3)), Sphere(0.36)))
+scene.settings = dataclasses.replace(scene.settings, samples=2, threads=2, lamp_paths=LampPaths.ALWAYS)
+film = session.render(scene, ("Depth",))
+print(film.read("Combined").tobytes().hex(), scene.warnings, "numba" in sys.modules, jit.compiled_kernels())
+"""
+
+
+@pytest.mark.slow  # compiles the path tracer for each way to load it
+@pytest.mark.skipif(not machine_code.AVAILABLE, reason="LLVM loads all code on this platform")
+def test_a_render_with_code_that_llvm_loads_is_the_same(tmp_path):
+    """As on Windows and macOS: kernels, formulas and lamps with trees, compiled and from disk. The files hold object files."""
+    pictures = []
+    for available in (True, False):
+        code, cache = RENDER.format(available=available), tmp_path / str(available)
+        *picture, numba, count = run(code, cache, 1800.0).split()
+        assert numba == "True" and int(count) > 100
+        assert run(code, cache).split() == [*picture, str(not available), "0"]
+        pictures.append(picture)
+    assert pictures[0] == pictures[1] and pictures[0][1:] == ["[]"]
+    objects = {path for path in (tmp_path / "False").rglob("*.kernel") if b"\x7fELF" in path.read_bytes()}
+    assert objects and not [path for path in (tmp_path / "True").rglob("*.kernel") if b"\x7fELF" in path.read_bytes()]
 
 
 @pytest.mark.slow
