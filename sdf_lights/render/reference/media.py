@@ -190,4 +190,7 @@ def points_of(position: np.ndarray, direction: np.ndarray) -> Surface:
         number > 0,
         np.zeros((count, 5), int),
         nothing,
+        number,
+        zero,
+        number - 1,
     )
