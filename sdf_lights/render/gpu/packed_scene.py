@@ -112,7 +112,8 @@ def _with_tables(numbers: np.ndarray, addresses: list[int]) -> np.ndarray:
 
 class GpuScene:
     """Tables and source for one scene, which stands still, and one film. ``images``: whether textures are read faster as
-    images; ``room``: bytes of a buffer; ``hierarchy``: that of the same triangles, curves and spheres, if there is one."""
+    images; ``room``: bytes of a buffer; ``hierarchy``: that of the same triangles, curves and spheres, if there is one; ``moves``: whether
+    the same scene at other times shares the program."""
 
     def __init__(
         self,
@@ -121,6 +122,7 @@ class GpuScene:
         images: bool = False,
         room: float = np.inf,
         hierarchy: Hierarchy | None = None,
+        moves: bool = False,
     ):
         if scene.settings.lamp_sampling is LampSampling.EXTERNAL:
             raise DeviceError("it has no such sampling of lamps")
@@ -199,8 +201,9 @@ class GpuScene:
             settled.add("camera_aperture")
         changing = catchers.changing(more["outputs"]) if film.catches else {}
         self.film = film
+        unknown = frozenset({"instances"} if moves else ())
         self.tables = Tables(
-            tables, scalars, frozenset(settled), self._workspace(tables), room // 4, CODE, changing, WRITTEN
+            tables, scalars, frozenset(settled), self._workspace(tables), room // 4, CODE, changing, WRITTEN, unknown
         )
         self.scalars = scalars
 

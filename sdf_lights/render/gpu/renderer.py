@@ -115,7 +115,8 @@ class GpuRenderer:
             scene = at(scene, time_)
             if index:
                 scene = dataclasses.replace(scene, warnings=[])
-        return GpuScene(scene, self._film, self._device.images, self._device.largest_buffer, hierarchy)
+        device, moves = self._device, self._shutter is not None
+        return GpuScene(scene, self._film, device.images, device.largest_buffer, hierarchy, moves)
 
     def _move(self, context, index: int) -> None:
         """Put everything where it is at the time of a sample."""
@@ -129,7 +130,6 @@ class GpuRenderer:
         if self._packed.suits(packed):
             packed.tables.take(self._packed.tables)
         else:
-            self._program.release()
             self._program = self._device.program(context, packed.source())
         for made in self._loaded:
             made.release()

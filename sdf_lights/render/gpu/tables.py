@@ -36,7 +36,7 @@ class Tables:
     programs. ``workspace`` maps names to (dtype, count) of each thread's tables. ``room``: words of a buffer; tables
     that do not fit into the first are in a second one. ``code`` has the kernels by index in tables that hold addresses
     on the CPU. ``changing``: scalars that change along a path. ``written``: tables that kernels write into, as arrays of
-    floats in GLSL, with ``{}`` for the index.
+    floats in GLSL, with ``{}`` for the index. ``unknown``: tables of whose values a program may know nothing.
     """
 
     def __init__(
@@ -49,9 +49,11 @@ class Tables:
         code: dict[str, dict[int, Callable]] | None = None,
         changing: dict[str, Value] | None = None,
         written: dict[str, str] | None = None,
+        unknown: frozenset[str] = frozenset(),
     ):
         self._tables, self._scalars, self._settled, self._workspace = tables, scalars, settled, workspace
         self._code, self._changing, self._written = code or {}, changing or {}, written or {}
+        self._unknown = unknown
         self.used_scalars: dict[str, str] = {}
         self._near: dict[str, int] = {}  # first word of each table that is in the uniform block
         used = 0
@@ -139,7 +141,7 @@ class Tables:
     def values(self, layout: Record, name: str) -> frozenset | None:
         """Values of an integer field of a table in this scene, if they are few."""
         table = self._rows.get(layout.name, self._tables.get(layout.name))
-        if layout.packed or table is None:
+        if layout.packed or table is None or layout.name in self._unknown:
             return None
         key = layout.name, name
         if key not in self._values:
@@ -154,21 +156,20 @@ class Tables:
 
     def suits(self, other: Tables) -> bool:
         """Whether the program that was translated with these tables is also that of another scene with tables like
-        these: places, constants, and all that was asked of values are the same."""
+        these: places and constants are the same, and fields have no other values than the program expects."""
         if (self._near, self._second, self._single) != (other._near, other._second, other._single):
             return False
-        if self._workspace != other._workspace:
+        if self._workspace != other._workspace or self._rows:
             return False
-        if any(self._scalars[name] != other._scalars[name] for name in self._settled | other._settled):
+        if any(self._scalars.get(name) != other._scalars.get(name) for name in self._settled | other._settled):
             return False
         if any(bool(len(table)) != bool(len(other._tables[name])) for name, table in self._tables.items()):
             return False
-        layouts = (Record(name, table.dtype) for name, table in self._tables.items() if table.dtype.names)
-        places = {layout.name: layout for layout in layouts}
-        return not self._rows and all(
-            name in places and other.values(places[name], field) == found
-            for (name, field), found in self._values.items()
-        )
+        for (name, field), expected in self._values.items():
+            found = other.values(Record(name, self._tables[name].dtype), field)
+            if expected is not None and (found is None or not found <= expected):
+                return False
+        return True
 
     def take(self, other: Tables) -> None:
         """Use the program of other tables, which ``suits``."""

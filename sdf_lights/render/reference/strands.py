@@ -40,10 +40,10 @@ class Strands:
             used += 0 if own is None else int(own.max(initial=-1)) + 1
 
     def number(self, instance: np.ndarray, segment: np.ndarray) -> np.ndarray:
-        """(N,) numbers of what was hit."""
+        """(N,) numbers of what was hit; an instance −1: nothing."""
         result = np.full(len(instance), NONE)
-        if self.there:
-            for index in np.unique(instance[self.kinds[instance] != Primitive.TRIANGLES]) if len(instance) else ():
+        for index in np.unique(instance) if self.there else ():
+            if index >= 0 and self.kinds[index] != Primitive.TRIANGLES:
                 rows = instance == index
                 result[rows] = self._numbers[index][segment[rows]]
         return result

@@ -8,8 +8,8 @@ import numpy as np
 
 from ...material import Node
 from ...scene import Primitive
-from ..closures import Lobe, Straight, specular_normal
-from ..fibers import EUMELANIN, PHEOMELANIN, Chiang, Hair, Huang, absorption_of
+from ..closures import Lobe, Straight, dielectric, specular_normal
+from ..fibers import EUMELANIN, PHEOMELANIN, Chiang, Hair, Huang, absorption_of, cosine_of
 from ..vectors import dot, normalize
 
 
@@ -73,13 +73,15 @@ def _principled_hair(points, node: Node, weight: np.ndarray, table) -> Lobe:
         factors = np.stack(
             [np.maximum(points.input(node, name), 0.0) for name in ("r_lobe", "tt_lobe", "trt_lobe")], -1
         )
-        return Huang(
+        lobe = Huang(
             **shared,
             alpha=np.clip(roughness, 0.001, 1.0),
             factors=factors,
             glass=glass,
             aspect=np.maximum(points.input(node, "aspect_ratio"), 1e-3),
         )
+        lobe.albedo = lobe.weight * _estimated(lobe, surface.wo)
+        return lobe
     coat, s = np.clip(points.input(node, "coat"), 0.0, 1.0), np.clip(radial, 0.001, 1.0)
     x = normalize(np.cross(tangent, surface.wo))
     offset = dot(np.cross(surface.ng, tangent), np.cross(tangent, x))
@@ -93,6 +95,15 @@ def _principled_hair(points, node: Node, weight: np.ndarray, table) -> Lobe:
     )
     lobe.albedo = lobe.weight * lobe.orders(surface.wo)[0].sum(0)
     return lobe
+
+
+def _estimated(lobe: Huang, wo: np.ndarray) -> np.ndarray:
+    """(N, 3) how much a fiber scatters, as the path tracer estimates it for its passes."""
+    sine = np.clip(dot(lobe.tangent, wo), -1.0, 1.0)
+    f = dielectric(0.8 * cosine_of(sine), lobe.ior)[0][:, None]
+    kept = np.exp(-lobe.sigma * (1.7 / cosine_of(sine / lobe.ior))[:, None])
+    r, tt, trt = lobe.factors.T[:, :, None]
+    return r * f + (1.0 - f) ** 2 * (tt * kept + trt * f * kept**2)
 
 
 def _is_missed(points, node: Node) -> np.ndarray:
