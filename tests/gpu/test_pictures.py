@@ -109,9 +109,7 @@ def differences(cpu: dict[str, np.ndarray], gpu: dict[str, np.ndarray], parts=by
             p = 2.0 * stats.t.sf(np.abs(t), count - 1)
             if p.min() < (1.0 - CONFIDENCE) / (2 * len(cpu) * t.size):
                 place = np.unravel_index(p.argmin(), p.shape)
-                failures.append(
-                    f"{item}: {b.mean(0)[place]:.6g} against {a.mean(0)[place]:.6g} (t = {t[place]:.1f})"
-                )
+                failures.append(f"{item}: {b.mean(0)[place]:.6g} against {a.mean(0)[place]:.6g} (t = {t[place]:.1f})")
     return failures
 
 
@@ -181,7 +179,9 @@ def test_shadow_catchers():
     assert film.read("Shadow Catcher").min() < 0.9
 
 
-LOBES = tuple(item.name for item in PASSES_OF_ALL if item.source in (*LIGHT_SUMS, "glossy_albedo", "transmission_albedo"))
+LOBES = tuple(
+    item.name for item in PASSES_OF_ALL if item.source in (*LIGHT_SUMS, "glossy_albedo", "transmission_albedo")
+)
 DATA = "Mist", "UV", "Object Index", "Material Index", "Vector"
 
 
@@ -194,8 +194,12 @@ def test_parts_of_the_light_and_properties_of_surfaces():
         glass = Node("glass", {"color": (0.9, 0.95, 1.0), "roughness": 0.3})
         glossy = Node("glossy", {"color": (0.8, 0.5, 0.3), "roughness": 0.4})
         color = Vector(variable("position"), variable("position", 1), variable("position", 2))
-        for index, surface in enumerate((glass, Node("mix_closure", {"factor": 0.5, "a": glossy, "b": Node("diffuse")}))):
-            scene.materials.append(Material(f"new {index}", surface, index=index + 3, aovs={"Place": color, "One": constant(1.0)}))
+        for index, surface in enumerate(
+            (glass, Node("mix_closure", {"factor": 0.5, "a": glossy, "b": Node("diffuse")}))
+        ):
+            scene.materials.append(
+                Material(f"new {index}", surface, index=index + 3, aovs={"Place": color, "One": constant(1.0)})
+            )
             scene.instances[index].materials = (len(scene.materials) - 1,)
         for index, instance in enumerate(scene.instances):
             instance.index = index + 1
@@ -229,7 +233,9 @@ def test_motion_blur(name):
     assert not failures, "; ".join(failures)
 
 
-def compare_samples(make, passes: tuple[str, ...] = ("Combined",), most: float = 0.01, batches=(SAMPLES,)) -> tuple[Film, Film]:
+def compare_samples(
+    make, passes: tuple[str, ...] = ("Combined",), most: float = 0.01, batches=(SAMPLES,)
+) -> tuple[Film, Film]:
     """The films of both, whose pixels agree but for this part of the samples. ``make`` makes the scene."""
     from sdf_lights.render.cpu.renderer import CpuRenderer
     from sdf_lights.render.gpu.renderer import GpuRenderer

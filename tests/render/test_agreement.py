@@ -101,7 +101,7 @@ def test_path_tracer_agrees_with_reference(name):
     compare(name, 4)
 
 
-@pytest.mark.parametrize("name", ["fog_lamp", "smoke"])
+@pytest.mark.parametrize("name", ["fog_lamp", "smoke", "linked_media"])
 def test_media_agree_with_reference(name):
     compare(name, 4, WITH_MEDIA)
 

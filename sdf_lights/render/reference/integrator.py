@@ -57,7 +57,7 @@ class Paths:
     catches: np.ndarray  # has hit a shadow catcher
     least_pdf: np.ndarray  # of all directions so far that are not singular
     light_set: np.ndarray  # of the instance of the last scattering; EVERY_SET for the camera
-    inside: np.ndarray  # (N, columns of ``Media``) bool: the media around
+    inside: np.ndarray  # (N, columns of ``Media``): the media around
     channel: np.ndarray  # of RGB, which alone has light in a scene with media
     volume: np.ndarray  # bounces in media
     left: np.ndarray  # number of the curve or sphere that the ray leaves, which it does not hit again
