@@ -288,6 +288,7 @@ class GpuScene:
         if has_outputs(self.film):
             counts |= output_parts.workspace_counts(self.film)
             counts["first_scatterings"] = min(counts["first_scatterings"], 2)  # of the path and of a light ray
+            counts["output_sums"] = max(counts["output_sums"], 4)  # three numbers would be a vector
             counts = {name: count for name, count in counts.items() if count}
         if self.film.catches:
             counts |= {"path": 2, "sample": 2}
@@ -395,6 +396,8 @@ class GpuScene:
         if self.hierarchy.strands:
             numbers |= {f"HAS_{kind.name}": int(kind) for kind in self.hierarchy.strands} | {"KINDS": KINDS}
         places, used = film_places(self.film)
+        if has_outputs(self.film):  # loops over no columns name them all the same
+            numbers |= {"FILM_LIGHT": used, "FILM_DATA": used, "FILM_MATTES": used}
         numbers |= {f"FILM_{name.upper()}": place for name, place in places.items()}
         numbers["PIXEL_SIZE"] = used
         rows = "rows[0]" if self.film.catches else "row"
