@@ -225,9 +225,10 @@ def test_visible_sky():
     assert not failures, "; ".join(failures)
 
 
+@pytest.mark.slow
 def test_lobes_in_fog():
     cpu, _ = compare_samples(lambda: SCENES["fog_lamp"](16, 12), ("Combined", *LOBES))
-    assert cpu.read("Volume Direct").mean() > 0.0 and cpu.read("Volume Indirect").mean() > 0.0
+    assert cpu.read("Volume Direct").mean() > 0.0
 
 
 @pytest.mark.slow
