@@ -5,9 +5,9 @@
 // thread whose path has ended begins its next sample while others continue (Novák et al. 2010, "Path regeneration for
 // interactive path tracing").
 //
-// Before this file come the workspace, the kernels, and `#define`s of PIXEL_SIZE and of FILM_name, the index of each
-// sum in a pixel, if a pass needs it; of GOES_ON; of PIXEL_SEED, the sampler's; and of PATH and SAMPLE, the first rows
-// of the workspace's tables. CATCHERS: a path that has hit a shadow catcher continues once more from there, past all
+// Before this file come the workspace, the kernels, `sums` of this thread's pixel, and `#define`s of PIXEL_SIZE and of
+// FILM_name, the index of each sum in a pixel, if a pass needs it; of GOES_ON; of PIXEL_SEED, the sampler's; and of PATH
+// and SAMPLE, the first rows of the workspace's tables. OUTPUTS: the film has passes of kernels/outputs/. CATCHERS: a path that has hit a shadow catcher continues once more from there, past all
 // other objects (see catchers.py).
 
 layout(local_size_x = 64) in;
@@ -21,8 +21,6 @@ uniform ivec4 work;
 uniform ivec3 film_place;
 uniform int film_seed;
 uniform int film_offset;  // samples of this seed that other renders take
-
-float sums[PIXEL_SIZE];  // of this thread's pixel
 
 void add_vector(int at, vec3 value)
 {
@@ -66,10 +64,8 @@ void add_sample(int index)
 #ifdef FILM_DIFFUSE_ALBEDO
     add_vector(FILM_DIFFUSE_ALBEDO, SAMPLE.diffuse_albedo);
 #endif
-#ifdef FILM_OUTPUTS
-    for (int i = 0; i < OUTPUTS; i++) {
-        sums[FILM_OUTPUTS + i] += output_sums_rows[i];
-    }
+#ifdef OUTPUTS
+    ADD_OUTPUTS(0);
 #endif
     if (SAMPLE.found != 0) {
 #ifdef FILM_NORMAL
@@ -140,7 +136,7 @@ void main()
         if (fresh) {
             PATH.index = film_offset + index;
             path_clear_sample();
-#ifdef CATCHERS
+#ifdef OUTPUTS
             CLEAR();
 #endif
             integrator_start_path(x, y);

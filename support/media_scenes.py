@@ -109,4 +109,23 @@ def submerged(width: int = WIDTH, height: int = HEIGHT) -> Scene:
     return scene
 
 
-MEDIA_SCENES = {builder.__name__: builder for builder in (smoke, haze, fog_lamp, submerged)}
+def linked_media(width: int = WIDTH, height: int = HEIGHT) -> Scene:
+    """A ball of smoke in a larger one, in fog; each of three lights lights only one of these media."""
+    scene = scenes.room(width, height, max_bounces=2)
+    scene.world.medium = Medium((0.0, 0.0, 0.0), (Scattering((0.05, 0.05, 0.05), 0.3),))
+    scene.meshes.append(scenes.sphere("ball", 16, 8, smooth=False))
+    mesh = len(scene.meshes) - 1
+    for name, size, scattering in (("core", 0.4, (0.9, 0.5, 0.3)), ("cloud", 0.9, (0.2, 0.4, 0.6))):
+        scene.materials.append(Material(name, CLEAR, medium=Medium((0.1, 0.1, 0.1), (Scattering(scattering, 0.0),))))
+        placed = translation(0.0, 0.0, 1.2) @ scaling(size, size, size)
+        scene.instances.append(Instance(mesh, placed, (len(scene.materials) - 1,), name))
+    scene.instances[-2].light_set, scene.instances[-1].light_set = 1, 2
+    lamp = torus_lamp(-0.4, 0.3, 2.4, 60.0, 0.7)
+    lamp.receivers = 2
+    scene.lamps.append(lamp)
+    scene.lights.append(PointLight("cloud's", translation(1.0, -0.5, 2.4), 60.0, radius=0.1, receivers=4))
+    scene.lights.append(PointLight("fog's", translation(-1.2, -0.8, 1.0), 20.0, radius=0.1, receivers=1))
+    return scene
+
+
+MEDIA_SCENES = {builder.__name__: builder for builder in (smoke, haze, fog_lamp, submerged, linked_media)}

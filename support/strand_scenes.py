@@ -1,15 +1,16 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scenes with curves and spheres, like those of ``scenes``. The NumPy reference has none: the CPU and the GPU are
-compared."""
+"""Scenes with curves and spheres, like those of ``scenes``."""
 
 from __future__ import annotations
 
 import numpy as np
 
+from sdf_lights.graph.formula import Vector, call
 from sdf_lights.render.lights.area import AreaLight
 from sdf_lights.render.material import Material, Node
-from sdf_lights.render.scene import Instance, Mesh, Primitive, Scene, World
+from sdf_lights.render.nodes.lookups import POINT_INFO, STRAND_INFO
+from sdf_lights.render.scene import Instance, Mesh, Primitive, Scene, Shutter, World
 
 from . import scenes
 from .scenes import HEIGHT, WIDTH, look_at, rotation, scaling, torus_lamp, translation
@@ -66,4 +67,38 @@ def fur(width: int = WIDTH, height: int = HEIGHT, kinds: tuple[Primitive, ...] =
     return scene
 
 
-STRAND_SCENES = {"fur": fur}
+def many_fibers(width: int = WIDTH, height: int = HEIGHT) -> Scene:
+    """Every kind of curve with a BSDF of hair, flattened fibers among them, and nodes that know strands and points."""
+    scene = fur(width, height, (Primitive.STRANDS, Primitive.RIBBONS, Primitive.CONES, Primitive.SPHERES))
+    tangent = {"offset": 0.1, "roughness_u": 0.3, "roughness_v": 0.7, "color": (0.8, 0.6, 0.4)}
+    hair = {"parametrization": "ABSORPTION"}
+    absorption = {"absorption_coefficient": (0.3, 0.6, 1.0), "roughness": 0.4, "offset": 0.05}
+    chiang = Node("principled_hair", {**absorption, "radial_roughness": 0.5}, {"model": "CHIANG", **hair})
+    huang = Node("principled_hair", {**absorption, "aspect_ratio": 0.6}, {"model": "HUANG", **hair})
+    through = Node("hair", tangent, {"component": "TRANSMISSION"})
+    _, thickness, *across = call(STRAND_INFO)
+    shown = Node("diffuse", {"color": Vector(15.0 * thickness, across[1] * across[1], across[2] * across[2])})
+    *center, radius = call(POINT_INFO)
+    points = Node("diffuse", {"color": Vector(10.0 * radius, 0.5 + 0.0 * center[0], 0.3 * center[2])})
+    surfaces = chiang, huang, Node("mix_closure", {"factor": 0.5, "a": shown, "b": through}), points
+    for material, surface in zip(scene.materials[-4:], surfaces):
+        material.surface = surface
+    return scene
+
+
+def moving_strands(width: int = WIDTH, height: int = HEIGHT) -> Scene:
+    """Tufts of all kinds that bend and grow thicker, while every second one falls."""
+    scene = fur(width, height)
+    scene.shutter = Shutter()
+    for mesh in scene.meshes:
+        if mesh.primitive != Primitive.TRIANGLES:
+            bent = mesh.positions + 0.3 * mesh.positions[:, 2:] * (1.0, 0.0, 0.0)
+            mesh.motion = np.stack([mesh.positions, bent]).astype(np.float32)
+            mesh.motion_radii = np.stack([mesh.radii, 1.5 * mesh.radii]).astype(np.float32)
+    for instance in scene.instances[-1::-2]:
+        if scene.meshes[instance.mesh].primitive != Primitive.TRIANGLES:
+            instance.motion = np.stack([instance.matrix, translation(0.0, 0.0, -0.3) @ instance.matrix])
+    return scene
+
+
+STRAND_SCENES = {"fur": fur, "many_fibers": many_fibers, "moving_strands": moving_strands}

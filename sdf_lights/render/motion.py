@@ -192,25 +192,6 @@ def _instance_at(instance: Instance, time: float) -> Instance:
     return dataclasses.replace(instance, matrix=between(instance.motion, time), motion=None)
 
 
-def still(scene: Scene) -> Scene:
-    """The scene without motion, as it is at the frame, for back ends without motion blur."""
-    return dataclasses.replace(
-        scene,
-        camera=_stop(scene.camera),
-        lamps=[_stop(lamp) for lamp in scene.lamps],
-        lights=[_stop(light) for light in scene.lights],
-        meshes=[
-            dataclasses.replace(mesh, motion=None, motion_normals=None, motion_radii=None) for mesh in scene.meshes
-        ],
-        instances=[dataclasses.replace(instance, motion=None) for instance in scene.instances],
-        shutter=None,
-    )
-
-
-def _stop(thing):
-    return dataclasses.replace(thing, motion=()) if thing.motion else thing
-
-
 def light_steps(scene: Scene, emissive: np.ndarray) -> int:
     """Number of shutter steps at whose ends camera, lamps, lights and the instances ``emissive`` (instances,) are
     known; 0 if none of them moves."""
@@ -219,6 +200,13 @@ def light_steps(scene: Scene, emissive: np.ndarray) -> int:
         moved = (instance.motion, scene.meshes[instance.mesh].motion)
         counts += [len(poses) - 1 for poses in moved if poses is not None]
     return max(counts, default=0)
+
+
+def part_of(seed: int, index: int) -> float:
+    """Fraction of the exposure at which a back end takes sample ``index`` of all pixels: van der Corput's sequence with a
+    random shift."""
+    rng = np.random.Generator(np.random.Philox(np.random.SeedSequence([seed, 1])))
+    return (int(f"{index:032b}"[::-1], 2) / 2**32 + rng.random()) % 1.0
 
 
 def time_of(shutter: Shutter, u: float, height: float) -> float:

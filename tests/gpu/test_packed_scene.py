@@ -6,9 +6,11 @@ import importlib
 import pkgutil
 import re
 
+import numpy as np
 import pytest
 
 from sdf_lights import jit
+from sdf_lights.render import motion
 from sdf_lights.render.film import Film
 from sdf_lights.render.gpu.packed_scene import GpuScene
 from sdf_lights.render.kernels import media, subsurface
@@ -70,3 +72,34 @@ def test_only_scenes_with_curves_and_spheres_have_code_for_them():
         furry = source(strand_scenes.fur(8, 6, (kind,)))
         assert "surface_fill" in furry and f"#define HAS_{kind.name} {int(kind)}\n" in furry
         assert furry.count("#define HAS_") == 1
+
+
+def test_only_films_with_such_passes_have_code_for_them():
+    """For the light by lobes, and for properties of surfaces; nor have scenes with shadow catchers more than they need."""
+
+    def found(*passes: str, catcher: bool = False) -> set[str]:
+        scene = scenes.torus_room(8, 6)
+        scene.instances[0].catcher = catcher
+        source = GpuScene(scene, Film(scene, passes)).source()
+        return {name for name in ("light_divide", "data_add_surface", "catchers_catch") if f" {name}(" in source}
+
+    assert found("Combined", "Depth") == set()
+    assert found("Volume Direct") == {"light_divide"}
+    assert found("Mist") == {"data_add_surface"}
+    assert found(catcher=True) == {"catchers_catch"}
+
+
+def test_one_program_for_all_times():
+    """Of a scene in which everything moves; not of another scene."""
+
+    def packed(scene, time: float) -> GpuScene:
+        return GpuScene(motion.at(scene, time), Film(scene, ()), moves=True)
+
+    scene = scenes.moving(8, 6)
+    first, second = packed(scene, 0.2), packed(scene, 0.7)
+    source = first.source()
+    assert first.suits(second) and second.source() == source
+    words = [part.tables.pack(part.scalars)[0] for part in (first, second)]
+    assert not np.array_equal(*words)
+    scene.lamps.pop()
+    assert not first.suits(packed(scene, 0.2))

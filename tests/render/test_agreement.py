@@ -14,13 +14,13 @@ from scipy import stats
 from sdf_lights import jit
 from sdf_lights.render.film import NO_DEPTH, Film
 from sdf_lights.render.reference.renderer import ReferenceRenderer
-from support import media_scenes, scenes
+from support import media_scenes, scenes, strand_scenes
 from support.blocks import means
 
 pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installed")
 
 SEEDS, CONFIDENCE = 8, 0.9999
-SCENES = scenes.SCENES | media_scenes.MEDIA_SCENES
+SCENES = scenes.SCENES | media_scenes.MEDIA_SCENES | strand_scenes.STRAND_SCENES
 PASSES = ("Combined", "Depth", "Position", "Normal", "Diffuse Color", "Denoising Albedo", "Emission", "SDF Lamps")
 # The first surface of a path is left to chance in media: where both find it by other chances, its data differ.
 WITH_MEDIA = ("Combined", "SDF Lamps")
@@ -51,6 +51,8 @@ QUICK = (
     "field_lamps",
     "varying_lamps",
     "moving",
+    "fur",
+    "many_fibers",
 )
 
 
@@ -99,7 +101,7 @@ def test_path_tracer_agrees_with_reference(name):
     compare(name, 4)
 
 
-@pytest.mark.parametrize("name", ["fog_lamp", "smoke"])
+@pytest.mark.parametrize("name", ["fog_lamp", "smoke", "linked_media"])
 def test_media_agree_with_reference(name):
     compare(name, 4, WITH_MEDIA)
 
@@ -111,7 +113,7 @@ def test_media_agree_with_reference_closely(name):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", scenes.SCENES)
+@pytest.mark.parametrize("name", scenes.SCENES | strand_scenes.STRAND_SCENES)
 def test_path_tracer_agrees_with_reference_closely(name):
     """All scenes, with error bars 0.6 times as wide."""
     # Of a rolling shutter the reference builds the scene anew for each line of each sample.

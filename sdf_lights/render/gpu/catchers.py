@@ -7,27 +7,23 @@ the GPU it continues in the same scene: rays pass through all other objects, whi
 
 from __future__ import annotations
 
-import numpy as np
-
 from ...jit import kernel
-from ..film import Film
 from ..kernels.geometry import instance_table
 from ..kernels.lights import triangle
 from ..kernels.lights.kinds import TRIANGLE
 from ..kernels.lights.records import emitter_table
-from ..kernels.outputs import apart, parts
-from ..kernels.outputs.records import CATCHERS, LIGHT
 from ..scene import Scene
 from .bvh import CATCHER
 from .translate import INT, Value
 
-# Numbers of the block that change while a path is among catchers alone: no medium fills the world there.
-CHANGING = {
-    "outputs": Value(INT, f"(bare ? 0 : {LIGHT | CATCHERS})", possible=frozenset([0, LIGHT | CATCHERS])),
-    "world_medium": Value(INT, "(bare ? -1 : scene.world_medium)"),
-}
 
-CODE = {place: parts.KERNELS[place][1] for place in (apart.CLEAR, apart.LIGHT, apart.CATCH, apart.RELEASE, apart.BARE)}
+def changing(bits: int) -> dict[str, Value]:
+    """Numbers of the block that change while a path is among catchers alone: nothing is added to the passes whose ``bits``
+    of ``outputs`` the film has, and no medium fills the world."""
+    return {
+        "outputs": Value(INT, f"(bare ? 0 : {bits})", possible=frozenset([0, bits])),
+        "world_medium": Value(INT, "(bare ? -1 : scene.world_medium)"),
+    }
 
 
 @kernel
@@ -46,18 +42,6 @@ def reaches(block, emitter, bounces):
     return bounces <= row.max_bounces
 
 
-def pack(scene: Scene, film: Film, emitters: list, instances: np.ndarray) -> tuple[dict, dict]:
-    """Tables and scalars needed only by catchers, as in ``outputs.parts.pack``."""
-    tables, scalars = parts.pack(scene, film, emitters, instances)
-    named = ("light_places", "data_places", "emitter_groups", "instance_groups", "emitter_passes")
-    return {name: tables[name] for name in named}, {**scalars, "outputs": LIGHT | CATCHERS}
-
-
 def mask(scene: Scene, index: int, rays: int) -> int:
     """Kinds of rays that see an instance, marked if it is a catcher."""
     return rays | CATCHER if scene.instances[index].catcher else rays
-
-
-def columns(film: Film) -> int:
-    """Number of sums of a sample beside ``film.CHANNELS``; 0 without catchers."""
-    return film.light_sums.shape[1] + film.data_sums.shape[1] if film.catches else 0

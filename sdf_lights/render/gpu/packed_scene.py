@@ -20,6 +20,8 @@ from ..kernels import camera, geometry, integrator, lamp_tree, lights, path, ray
 from ..kernels.media import pack as media
 from ..kernels.media import parts as media_parts
 from ..kernels.outputs import apart as outputs
+from ..kernels.outputs import parts as output_parts
+from ..kernels.outputs.records import DATA
 from ..kernels.packing import build_lamps, emissive_triangles, emitter_tables, instance_boxes, integrator_scalars
 from ..kernels.shading.material_compiler import LOBE_PRINCIPLED
 from ..kernels.shading.operands import run
@@ -29,6 +31,7 @@ from ..kernels.strands import apart as strands
 from ..kernels.strands.surface import fill as fill_strand
 from ..kernels.subsurface import parts as subsurface_parts
 from ..kernels.workspace import WORKSPACE_TABLES
+from ..passes import CATCHER_SUMS
 from ..scene import Scene
 from ..settings import LampSampling
 from . import catchers, lamp_kernels, parts, replacements, special
@@ -69,8 +72,20 @@ SETTLED = frozenset(
         "light_paths",
         "has_strands",
         "outputs",
+        "light_columns",
+        "data_columns",
+        "matte_kinds",
+        "matte_slots",
     }
 )
+
+# Tables of a film that kernels write into: here those of a thread's pixel, by the first of its sums.
+WRITTEN = {
+    "film_count": "sums[FILM_COUNT + {}]",
+    "film_light": "sums[FILM_LIGHT + {}]",
+    "film_data": "sums[FILM_DATA + {}]",
+    "film_mattes": "sums[FILM_MATTES + {}]",
+}
 
 
 MOST_NUMBERS = 1 << 24  # of lamps and their tables, whose indices are float32
@@ -79,7 +94,7 @@ MOST_NUMBERS = 1 << 24  # of lamps and their tables, whose indices are float32
 CODE = {
     "media_code": {place: kernel for place, (kernel, _) in media_parts.KERNELS.items()},
     "subsurface_code": subsurface_parts.KERNELS,
-    "output_code": catchers.CODE,
+    "output_code": {place: kernel for place, (_, kernel, _) in output_parts.KERNELS.items()},
     "strand_code": {strands.FILL: fill_strand},
 }
 
@@ -96,10 +111,19 @@ def _with_tables(numbers: np.ndarray, addresses: list[int]) -> np.ndarray:
 
 
 class GpuScene:
-    """Tables and source for one scene and one film. ``images``: whether textures are read faster as images; ``room``:
-    bytes of a buffer."""
+    """Tables and source for one scene, which stands still, and one film. ``images``: whether textures are read faster as
+    images; ``room``: bytes of a buffer; ``hierarchy``: that of the same triangles, curves and spheres, if there is one; ``moves``: whether
+    the same scene at other times shares the program."""
 
-    def __init__(self, scene: Scene, film: Film, images: bool = False, room: float = np.inf):
+    def __init__(
+        self,
+        scene: Scene,
+        film: Film,
+        images: bool = False,
+        room: float = np.inf,
+        hierarchy: Hierarchy | None = None,
+        moves: bool = False,
+    ):
         if scene.settings.lamp_sampling is LampSampling.EXTERNAL:
             raise DeviceError("it has no such sampling of lamps")
         self._images = images
@@ -113,7 +137,7 @@ class GpuScene:
         masks = rays.masks_of(scene.instances, transparent, bits)
         if film.catches:
             masks = [catchers.mask(scene, index, mask) for index, mask in enumerate(masks)]
-        self.hierarchy = Hierarchy(scene, masks)
+        self.hierarchy = hierarchy or Hierarchy(scene, masks)
         built, sources = build_lamps(scene)
         self.lamps = built
         emissive = emissive_triangles(scene, materials["materials"])
@@ -142,19 +166,22 @@ class GpuScene:
             tables |= media_tables
             bounds = media_tables["media_bounds"]
             media_scalars |= media.camera_scalars(scene.camera, bounds, scene, *instance_boxes(scene))
-        caught, caught_scalars = {}, {}
-        if film.catches:
-            shown = [*sources, *scene.lights, scene.world]
-            caught, caught_scalars = catchers.pack(scene, film, shown, emissive.instance)
-        tables |= caught
+        shown, more = {}, {"outputs": 0}
+        if has_outputs(film):
+            emitters_shown = [*sources, *scene.lights, scene.world]
+            shown, more = output_parts.pack(scene, film, emitters_shown, emissive.instance)
+            if not (film.matte_places or film.data_places.keys() - set(CATCHER_SUMS)):
+                more["outputs"] &= ~DATA  # catchers alone need no properties of surfaces
+        tables |= {name: table for name, table in shown.items() if name not in WRITTEN}
+        # Columns of data that are of the first sample of a pixel.
+        self.first_alone = np.flatnonzero(shown.get("data_numbers", ()))
         varying = bool((materials["emissions"]["graph"] != shading.NO_GRAPH).any())
         scalars = {
             **media_scalars,
             "has_subsurface": int(self.deep),
             "has_strands": int(bool(self.hierarchy.strands)),
             "light_paths": 0,
-            "outputs": 0,
-            **caught_scalars,
+            **more,
             "emission_graphs": varying,
             **camera.camera_scalars(scene),
             **integrator_scalars(scene, flags, tables),
@@ -172,9 +199,12 @@ class GpuScene:
             settled.add("lamp_count")
         if scalars["camera_aperture"] == 0.0:
             settled.add("camera_aperture")
-        changing = catchers.CHANGING if film.catches else {}
+        changing = catchers.changing(more["outputs"]) if film.catches else {}
         self.film = film
-        self.tables = Tables(tables, scalars, frozenset(settled), self._workspace(tables), room // 4, CODE, changing)
+        unknown = frozenset({"instances"} if moves else ())
+        self.tables = Tables(
+            tables, scalars, frozenset(settled), self._workspace(tables), room // 4, CODE, changing, WRITTEN, unknown
+        )
         self.scalars = scalars
 
     def _place_fields(self, tables, sources) -> None:
@@ -255,14 +285,28 @@ class GpuScene:
         }
         if self.media:
             counts["inside"] = 2  # of the path and of a light ray
+        if has_outputs(self.film):
+            counts |= output_parts.workspace_counts(self.film)
+            counts["first_scatterings"] = min(counts["first_scatterings"], 2)  # of the path and of a light ray
+            counts["output_sums"] = max(counts["output_sums"], 4)  # three numbers would be a vector
+            counts = {name: count for name, count in counts.items() if count}
         if self.film.catches:
-            counts |= {"path": 2, "sample": 2, "output_sums": catchers.columns(self.film)}
+            counts |= {"path": 2, "sample": 2}
         dtypes = {
             **WORKSPACE_TABLES,
             **lamp_kernels.ROWS,
             "lamp_cuts": lamp_kernels.FLAT_CUT if self.cuts else lamp_kernels.WITHOUT_BOXES,
         }
         return {name: (dtypes[name], count) for name, count in counts.items()}
+
+    def suits(self, other: GpuScene) -> bool:
+        """Whether the program of this scene is also that of another one, which differs by motion."""
+        return self._constants() == other._constants() and self.tables.suits(other.tables)
+
+    def _constants(self) -> tuple:
+        """What a program has in it beside its tables, as far as things that move can change it."""
+        flags = self.cuts, self.one_emitter, len(self.lamps), self.scalars["transparent_shadows"]
+        return flags, self._defines(), self._numbers, self.formulas.fields, self.formulas.colours
 
     def source(self) -> str:
         """GLSL of the path tracer."""
@@ -274,10 +318,15 @@ class GpuScene:
         translator.function(integrator.advance, [scene, workspace, known(False)])
         seed, _ = translator.function(samplers.pixel_seed, [Value(INT, name) for name in ("x", "y", "film_seed")])
         calls = ["", f"#define PIXEL_SEED {seed}"]
+        if has_outputs(self.film):
+            name, _ = translator.function(outputs.clear, [scene, workspace])
+            calls.append(f"#define CLEAR {name}")
+            name, _ = translator.function(outputs.add_sample, [scene, workspace, Value(INT, "0")])
+            calls.append(f"#define ADD_OUTPUTS {name}")
         if self.film.catches:
             translator.function(integrator.intersect_and_gather, [scene, workspace])
             translator.function(integrator.shade_and_scatter, [scene, workspace, known(False)])
-            for kernel in (outputs.clear, outputs.release, outputs.add_bare):
+            for kernel in (outputs.release, outputs.add_bare):
                 name, _ = translator.function(kernel, [scene, workspace])
                 calls.append(f"#define {kernel.__name__.upper()} {name}")
         return self.assembled(translator, "\n".join(calls) + "\n" + glsl("film.glsl"))
@@ -299,7 +348,7 @@ class GpuScene:
         if self.written_out is not None:
             written[intervals.solve] = self.written_out.native(self._first_written_out)
         chosen = replacements.together(*groups, special.natives(self.lobes), written)
-        return Translator(self.tables, chosen, replacements.ROUNDING | replacements.ROWS)
+        return Translator(self.tables, chosen, replacements.ROUNDING | replacements.ROWS | replacements.SETS)
 
     def assembled(self, translator: Translator, main: str) -> str:
         """A whole shader: the translated functions, and its ``main``."""
@@ -347,20 +396,25 @@ class GpuScene:
         if self.hierarchy.strands:
             numbers |= {f"HAS_{kind.name}": int(kind) for kind in self.hierarchy.strands} | {"KINDS": KINDS}
         places, used = film_places(self.film)
+        if has_outputs(self.film):  # loops over no columns name them all the same
+            numbers |= {"FILM_LIGHT": used, "FILM_DATA": used, "FILM_MATTES": used}
         numbers |= {f"FILM_{name.upper()}": place for name, place in places.items()}
         numbers["PIXEL_SIZE"] = used
         rows = "rows[0]" if self.film.catches else "row"
-        numbers |= {"PATH": f"path_{rows}", "SAMPLE": f"sample_{rows}", "OUTPUTS": catchers.columns(self.film)}
+        numbers |= {"PATH": f"path_{rows}", "SAMPLE": f"sample_{rows}"}
         switches = {
             "INSTANCES": self.hierarchy.instanced,
             "IMAGES": self._images,
             "ONE_INSTANCE": self.deep,
             "CATCHERS": self.film.catches,
+            "OUTPUTS": has_outputs(self.film),
             "MEDIA": self.media,
             "STRANDS": bool(self.hierarchy.strands),
         }
-        return [f"#define {name} {value}" for name, value in numbers.items()] + [
-            f"#define {name}" for name, on in switches.items() if on
+        return [
+            *(f"#define {name} {value}" for name, value in numbers.items()),
+            *(f"#define {name}" for name, on in switches.items() if on),
+            "float sums[PIXEL_SIZE];  // of this thread's pixel",
         ]
 
     def _lamp_source(self) -> str:
@@ -434,9 +488,16 @@ def film_places(film: Film) -> tuple[dict[str, int], int]:
     for name in ("count", "surfaces", "nan", "infinite"):
         places[name] = used
         used += 1
-    if film.catches:
-        places["outputs"] = used
-    return places, used + catchers.columns(film)
+    for name, sums in (("light", film.light_sums), ("data", film.data_sums), ("mattes", film.matte_sums)):
+        if sums.size:
+            places[name] = used
+            used += sums[0].size
+    return places, used
+
+
+def has_outputs(film: Film) -> bool:
+    """Whether a film has passes beside ``film.CHANNELS``."""
+    return bool(output_parts.bits_of(film))
 
 
 def glsl(name: str) -> str:

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import threading
 import time
 from collections.abc import Callable
@@ -16,8 +17,9 @@ from ...interruption import Watch, check, watched
 from ...interruption import say as say_to_watch
 from ..errors import RenderError
 from ..film import Film
-from ..motion import still
+from ..motion import at, part_of, time_of
 from ..scene import Scene
+from .bvh import Hierarchy
 from .device import DeviceError, device, megabytes
 from .packed_scene import TEXTURE_BITS, GpuScene, film_places
 
@@ -38,15 +40,19 @@ class GpuRenderer:
     def __init__(self, scene: Scene, film: Film, cancelled: Callable[[], bool], say: Callable[[str], None]):
         self._film, self._warnings = film, scene.warnings
         self._device = device()
-        scene.warnings += film.beyond("The GPU")
         self._made: list = []
         self._places, self._size = film_places(film)
+        self._slab = min(SLAB, len(film.active), max(self._device.largest_buffer // (4 * self._size), 1))
         self._work, self._longest = FIRST_WORK, MOST_SAMPLES
         self._seed, self._offset = scene.settings.seed, scene.settings.sample_offset
-        if scene.shutter is not None:
+        self._scene, self._shutter, self._loaded = scene, scene.shutter, []
+        self._index = 0  # of the sample at whose time everything is
+        if scene.shutter is not None and scene.shutter.rolling is not None:
             scene.warnings.append(
-                "Motion blur is not supported on the GPU: the frame is rendered without it; choose the CPU as device."
+                "The GPU has no rolling shutter: all lines of the frame have the same exposure; choose the CPU as the device "
+                "to have it."
             )
+            self._shutter = dataclasses.replace(scene.shutter, rolling=None)
         say("Building the scene")
         self.ready = self._set_up(scene, cancelled, say)
 
@@ -88,23 +94,57 @@ class GpuRenderer:
 
     def _prepare(self, context, scene: Scene, watch: Watch) -> None:
         with watched(watch):
-            packed = GpuScene(still(scene), self._film, self._device.images, self._device.largest_buffer)
-            self._packed = packed
+            packed = self._packed_at(0)
             check()
             source = packed.source()
             check()
             say_to_watch("Compiling the scene's program for the GPU")
             self._program = self._device.program(context, source)
             check()
+        self._load(context, packed)
+        self._sums = self._buffer(context, np.zeros(self._slab * self._size, np.float32))
+        self._pixels = self._buffer(context, np.zeros(1 + self._slab, np.uint32))
+        self._lengths = self._buffer(context, np.zeros((max(len(packed.lamps), 1), 2), np.float32))
+
+    def _packed_at(self, index: int, hierarchy: Hierarchy | None = None) -> GpuScene:
+        """The scene at the time of a sample: one time for all pixels (Haeberli and Akeley 1990, "The accumulation
+        buffer"). If nothing moves, it is always the same."""
+        scene = self._scene
+        if self._shutter is not None:
+            time_ = time_of(self._shutter, part_of(self._seed, self._offset + index), 0.0)
+            scene = at(scene, time_)
+            if index:
+                scene = dataclasses.replace(scene, warnings=[])
+        device, moves = self._device, self._shutter is not None
+        return GpuScene(scene, self._film, device.images, device.largest_buffer, hierarchy, moves)
+
+    def _move(self, context, index: int) -> None:
+        """Put everything where it is at the time of a sample."""
+        if index == self._index:
+            return
+        self._index = index
+        scene, hierarchy = self._scene, self._packed.hierarchy
+        moves = [instance.motion is not None for instance in scene.instances]
+        moves += [mesh.motion is not None for mesh in scene.meshes]
+        packed = self._packed_at(index, None if any(moves) else hierarchy)
+        if self._packed.suits(packed):
+            packed.tables.take(self._packed.tables)
+        else:
+            self._program = self._device.program(context, packed.source())
+        for made in self._loaded:
+            made.release()
+        self._load(context, packed)
+        self._bind()
+
+    def _load(self, context, packed: GpuScene) -> None:
+        """Put a scene's tables and triangles on the GPU."""
         words, second, uniforms = packed.tables.pack(packed.scalars)
-        hierarchy = packed.hierarchy
+        hierarchy, before = packed.hierarchy, list(self._made)
+        self._packed = packed
         self._uniforms = self._buffer(context, uniforms)
         self._words, self._second = self._buffer(context, words), self._buffer(context, second)
         self._textures = [self._texture(context, array) for array in (hierarchy.nodes, hierarchy.items)]
-        slab = min(SLAB, len(self._film.active))
-        self._sums = self._buffer(context, np.zeros(slab * self._size, np.float32))
-        self._pixels = self._buffer(context, np.zeros(1 + slab, np.uint32))
-        self._lengths = self._buffer(context, np.zeros((max(len(packed.lamps), 1), 2), np.float32))
+        self._made, self._loaded = before, [self._uniforms, self._words, self._second, *self._textures]
 
     def _buffer(self, context, array: np.ndarray):
         if array.nbytes > self._device.largest_buffer:
@@ -155,6 +195,15 @@ class GpuRenderer:
         self._bind()
         self._pixels.write(np.concatenate([[0], pixels]).astype(np.uint32))
         self._sums.clear()
+        if "mattes" in self._places:  # the slots of a pixel go on from what it has
+            sums = np.zeros((len(pixels), self._size), np.float32)
+            sums[:, self._of("mattes")] = self._film.matte_sums[pixels].reshape(len(pixels), -1)
+            self._sums.write(sums)
+
+    def _of(self, name: str) -> slice:
+        """Columns of the passes of ``kernels/outputs`` in the sums of a pixel."""
+        arrays = {"light": self._film.light_sums, "data": self._film.data_sums, "mattes": self._film.matte_sums}
+        return slice(self._places[name], self._places[name] + arrays[name][0].size)
 
     def _run(self, context, place: int, count: int, first: int, end: int) -> tuple[float, bool]:
         """One dispatch, for the missing samples before ``end`` of a batch from ``first`` on. Returns its seconds, and
@@ -186,10 +235,14 @@ class GpuRenderer:
         discarded = film.discarded.reshape(len(film.active), -1)
         for column, name in enumerate(("nan", "infinite")):
             discarded[pixels, column] += sums[:, self._places[name]].astype(np.int32)
-        if film.catches:
-            first, columns = self._places["outputs"], film.light_sums.shape[1]
-            film.light_sums[pixels] += sums[:, first : first + columns]
-            film.data_sums[pixels] += sums[:, first + columns : first + columns + film.data_sums.shape[1]]
+        if "light" in self._places:
+            film.light_sums[pixels] += sums[:, self._of("light")]
+        if "data" in self._places:
+            part = sums[:, self._of("data")]
+            part[np.ix_(film.count[pixels] > 0, self._packed.first_alone)] = 0.0
+            film.data_sums[pixels] += part
+        if "mattes" in self._places:
+            film.matte_sums[pixels] = sums[:, self._of("mattes")].reshape(len(pixels), *film.matte_sums.shape[1:])
         film.count[pixels] += sums[:, self._places["count"]].astype(np.int32)
         film.surfaces[pixels] += seen
 
@@ -200,26 +253,34 @@ class GpuRenderer:
             return False
         active = np.flatnonzero(self._film.active)
         total, done = len(active) * count, 0
-        for start in range(0, len(active), SLAB):
-            pixels = active[start : start + SLAB]
+        # Samples that are taken together: if anything moves, those of one time.
+        parts = [(first, count)] if self._shutter is None else [(index, 1) for index in range(first, first + count)]
+        for start in range(0, len(active), self._slab):
+            pixels = active[start : start + self._slab]
             self._call(self._begin, pixels)
-            place, stopped = 0, False
-            while place < len(pixels) and not stopped:
-                threads = min(max(self._work // count // GROUP, 1) * GROUP, len(pixels) - place)
-                sample = first
-                while sample < first + count and not stopped:
-                    end = min(sample + min(max(self._work // threads, 1), self._longest), first + count)
-                    seconds, finished = self._call(self._run, place, threads, first, end)
-                    if finished:
-                        self._adapt(threads * (end - sample), seconds)
-                        done += threads * (end - sample)
-                        sample = end
-                    else:
-                        self._shorten(end - sample)
-                    stopped = stop()
-                    if not stopped:
-                        report(done / total)
-                place += threads
+            stopped = False
+            for begin, many in parts:
+                if stopped:
+                    break
+                if self._shutter is not None:
+                    self._call(self._move, begin)
+                place = 0
+                while place < len(pixels) and not stopped:
+                    threads = min(max(self._work // many // GROUP, 1) * GROUP, len(pixels) - place)
+                    sample = begin
+                    while sample < begin + many and not stopped:
+                        end = min(sample + min(max(self._work // threads, 1), self._longest), begin + many)
+                        seconds, finished = self._call(self._run, place, threads, first, end)
+                        if finished:
+                            self._adapt(threads * (end - sample), seconds)
+                            done += threads * (end - sample)
+                            sample = end
+                        else:
+                            self._shorten(end - sample)
+                        stopped = stop()
+                        if not stopped:
+                            report(done / total)
+                    place += threads
             self._call(self._collect, pixels)
             if stopped:
                 return False
@@ -242,9 +303,9 @@ class GpuRenderer:
 
         def release(context) -> np.ndarray:
             lengths = np.frombuffer(self._lengths.read(), np.float32).reshape(-1, 2) if self.ready else np.zeros((0, 2))
-            for made in self._made:
+            for made in (*self._made, *self._loaded):
                 made.release()
-            self._made = []
+            self._made, self._loaded = [], []
             return lengths
 
         released = self._device.submit(release)

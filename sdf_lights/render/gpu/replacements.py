@@ -23,8 +23,10 @@ from ...emitter.tree import crossings
 from ...jit import call_part, float_bits, stack_array
 from ..kernels import departure, gather, geometry, lamp_tree, next_event, rays, textures
 from ..kernels.lights import emitters, rectangle, tree, triangle
-from ..kernels.media import light_rays, stack, travel
+from ..kernels.media import in_scattering, light_rays, stack, travel
 from ..kernels.outputs import catchers as output_catchers
+from ..kernels.outputs import data as output_data
+from ..kernels.outputs import light as output_light
 from ..kernels.shading import operands
 from ..kernels.subsurface import disk
 from ..kernels.subsurface import records as subsurface
@@ -53,9 +55,15 @@ ROWS = {
     (light_rays, "LIGHT_RAY"): 1,
     (travel, "KEPT_RAY"): 1,
     (disk, "KEPT_RAY"): 1,
+    (next_event, "LIGHT_RAY"): 1,
+    (in_scattering, "LIGHT_RAY"): 1,
+    (output_light, "LIGHT_RAY"): 1,
     (output_catchers, "CAUGHT"): 1,
     (output_catchers, "CAUGHT_RAY"): 2,
 }
+
+# First sets of random numbers, where the CPU's are beyond int32.
+SETS = {(output_data, "OCCLUSION_SETS"): 1 << 30}
 
 
 def _spans(function, arguments):

@@ -35,7 +35,8 @@ class Tables:
     ``tables`` are those of the block, ``scalars`` its numbers; ``settled`` names scalars that are constants of
     programs. ``workspace`` maps names to (dtype, count) of each thread's tables. ``room``: words of a buffer; tables
     that do not fit into the first are in a second one. ``code`` has the kernels by index in tables that hold addresses
-    on the CPU. ``changing``: scalars that change along a path.
+    on the CPU. ``changing``: scalars that change along a path. ``written``: tables that kernels write into, as arrays of
+    floats in GLSL, with ``{}`` for the index. ``unknown``: tables of whose values a program may know nothing.
     """
 
     def __init__(
@@ -47,9 +48,12 @@ class Tables:
         room: float = np.inf,
         code: dict[str, dict[int, Callable]] | None = None,
         changing: dict[str, Value] | None = None,
+        written: dict[str, str] | None = None,
+        unknown: frozenset[str] = frozenset(),
     ):
         self._tables, self._scalars, self._settled, self._workspace = tables, scalars, settled, workspace
-        self._code, self._changing = code or {}, changing or {}
+        self._code, self._changing, self._written = code or {}, changing or {}, written or {}
+        self._unknown = unknown
         self.used_scalars: dict[str, str] = {}
         self._near: dict[str, int] = {}  # first word of each table that is in the uniform block
         used = 0
@@ -98,6 +102,8 @@ class Tables:
             return Value(Ref(Array(layout_of(np.dtype(dtype), name)), reader=self.reader(name)), start)
         if name in self._code:
             return known(self._code[name])
+        if name in self._written:
+            return Value(Ref(Array("float", packed=True), self._written[name]), "0")
         if base.constant is not BLOCK and (name in self._workspace or name not in self._tables):
             if name == "secondary":
                 return known(SECONDARY)
@@ -135,7 +141,7 @@ class Tables:
     def values(self, layout: Record, name: str) -> frozenset | None:
         """Values of an integer field of a table in this scene, if they are few."""
         table = self._rows.get(layout.name, self._tables.get(layout.name))
-        if layout.packed or table is None:
+        if layout.packed or table is None or layout.name in self._unknown:
             return None
         key = layout.name, name
         if key not in self._values:
@@ -147,6 +153,27 @@ class Tables:
                     found = frozenset(different.tolist())
             self._values[key] = found
         return self._values[key]
+
+    def suits(self, other: Tables) -> bool:
+        """Whether the program that was translated with these tables is also that of another scene with tables like
+        these: places and constants are the same, and fields have no other values than the program expects."""
+        if (self._near, self._second, self._single) != (other._near, other._second, other._single):
+            return False
+        if self._workspace != other._workspace or self._rows:
+            return False
+        if any(self._scalars.get(name) != other._scalars.get(name) for name in self._settled | other._settled):
+            return False
+        if any(bool(len(table)) != bool(len(other._tables[name])) for name, table in self._tables.items()):
+            return False
+        for (name, field), expected in self._values.items():
+            found = other.values(Record(name, self._tables[name].dtype), field)
+            if expected is not None and (found is None or not found <= expected):
+                return False
+        return True
+
+    def take(self, other: Tables) -> None:
+        """Use the program of other tables, which ``suits``."""
+        self.used_scalars = other.used_scalars
 
     # For the GPU
 

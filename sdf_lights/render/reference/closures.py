@@ -291,13 +291,14 @@ class Microfacet(Lobe):
 
 
 def specular_normal(surface: Surface, normal: np.ndarray) -> np.ndarray:
-    """``normal`` turned towards the geometric one just so far that the mirror direction of wo leaves the surface.
+    """``normal`` turned towards the geometric one just so far that the mirror direction of wo leaves the surface; of a curve,
+    as it is, as in Cycles.
 
     By bisection of the way between the two normals.
     """
     height = dot(surface.ng, surface.wo)
     least = np.minimum(0.9 * height, 0.01)
-    rows = np.flatnonzero(dot(reflect(surface.wo, normal), surface.ng) < least)
+    rows = np.flatnonzero((dot(reflect(surface.wo, normal), surface.ng) < least) & (surface.strand == 0))
     if not len(rows):
         return normal
     n, g, wo = normal[rows], surface.ng[rows], surface.wo[rows]

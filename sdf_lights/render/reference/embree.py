@@ -12,7 +12,8 @@ import ctypes
 import numpy as np
 
 from ..libraries import load_embree
-from ..scene import Scene
+from ..scene import Primitive, Scene
+from ..strands import EMBREE_TYPES, buffers, tessellation
 from .hits import Hits
 
 LANES = 16
@@ -38,7 +39,7 @@ NOTHING = 0xFFFFFFFF
 
 TRIANGLES, INSTANCES = 0, 121
 INDICES, VERTICES = 0, 1
-UINT3, FLOAT3, FLOAT3X4_ROW_MAJOR = 0x5003, 0x9003, 0x9134
+UINT, UINT3, FLOAT3, FLOAT4, FLOAT3X4_ROW_MAJOR = 0x5001, 0x5003, 0x9003, 0x9004, 0x9134
 ROBUST = 4
 
 _POINTER, _INT, _UINT, _SIZE = ctypes.c_void_p, ctypes.c_int, ctypes.c_uint, ctypes.c_size_t
@@ -57,6 +58,7 @@ _SIGNATURES = {
     "rtcSetGeometryMask": (None, _POINTER, _UINT),
     "rtcSetSharedGeometryBuffer": (None, _POINTER, _INT, _UINT, _INT, _POINTER, _SIZE, _SIZE, _SIZE),
     "rtcSetGeometryInstancedScene": (None, _POINTER, _POINTER),
+    "rtcSetGeometryTessellationRate": (None, _POINTER, ctypes.c_float),
     "rtcSetGeometryTransform": (None, _POINTER, _UINT, _INT, _POINTER),
     "rtcIntersect16": (None, _POINTER, _POINTER, _POINTER, _POINTER),
 }
@@ -100,7 +102,9 @@ class EmbreeRays:
 
     def _mesh(self, mesh) -> int:
         scene = self._new_scene()
-        if len(mesh.triangles):
+        if len(mesh.triangles) and mesh.primitive != Primitive.TRIANGLES:
+            self._attach_strands(scene, mesh)
+        elif len(mesh.triangles):
             # Embree reads 16 bytes at the last vertex.
             positions = np.zeros((len(mesh.positions) + 1, 3), np.float32)
             positions[:-1] = mesh.positions
@@ -115,6 +119,19 @@ class EmbreeRays:
         self.rtcCommitScene(scene)
         return scene
 
+    def _attach_strands(self, scene: int, mesh) -> None:
+        given = buffers(mesh)
+        self._buffers.append(given)
+        geometry = self.rtcNewGeometry(self._device, EMBREE_TYPES[mesh.primitive])
+        share, vertices = self.rtcSetSharedGeometryBuffer, given.vertices[0]
+        share(geometry, VERTICES, 0, FLOAT4, vertices.ctypes.data, 0, 16, len(vertices))
+        if given.indices is not None:
+            share(geometry, INDICES, 0, UINT, given.indices.ctypes.data, 0, 4, len(given.indices))
+        if mesh.primitive == Primitive.RIBBONS:
+            self.rtcSetGeometryTessellationRate(geometry, tessellation(mesh))
+        self.rtcSetGeometryMask(geometry, NOTHING)
+        self._attach(scene, geometry, 0)
+
     def __del__(self):
         for scene in reversed(getattr(self, "_scenes", [])):
             self.rtcReleaseScene(scene)
@@ -122,7 +139,7 @@ class EmbreeRays:
             self.rtcReleaseDevice(self._device)
 
     def intersect(self, origins: np.ndarray, directions: np.ndarray, far: np.ndarray, masks: np.ndarray) -> Hits:
-        """See ``Geometry.intersect``."""
+        """See ``Geometry.intersect``, which adds the points."""
         count = len(origins)
         packets = -(-count // LANES)
         words = packets * FIELDS * LANES
@@ -157,4 +174,5 @@ class EmbreeRays:
             np.where(found, values(rays, PRIMITIVE).astype(int), -1),
             values(floats, U).astype(float),
             values(floats, V).astype(float),
+            np.zeros((count, 3)),
         )

@@ -56,6 +56,9 @@ class Emission:
             np.zeros(count, bool),
             np.zeros((count, 5), int),
             np.zeros(count),
+            nowhere,
+            np.zeros((count, 3)),
+            nowhere - 1,
         )
         points = _Directions(self._graph, surface, self._geometry, self._geometry.scene.images, np.zeros(count))
         total = np.zeros((count, 3))

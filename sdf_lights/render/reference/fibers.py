@@ -21,7 +21,8 @@ def absorption_of(color: np.ndarray, roughness: np.ndarray) -> np.ndarray:
 
 
 class Fiber(Lobe):
-    """Base of all models of hair: ``tangent`` (N, 3), and the geometric normal ``facing`` (N, 3) of the surface.
+    """Base of all models of hair: ``tangent`` (N, 3), and the geometric normal ``facing`` (N, 3) of the surface. ``strand``
+    (N,) bool: on a curve, not on a mesh.
 
     Their samples continue in any direction; light rays do not see all of it.
     """
@@ -29,7 +30,12 @@ class Fiber(Lobe):
     glossy = True
 
     def kind(self, wi):
-        return np.where(dot(self.facing, wi) < 0.0, int(Ray.TRANSMISSION), int(Ray.GLOSSY))
+        through = np.where(self.strand, self.goes_through(), dot(self.facing, wi) < 0.0)
+        return np.where(through, int(Ray.TRANSMISSION), int(Ray.GLOSSY))
+
+    def goes_through(self):
+        """Whether the directions that were drawn on a curve count as transmission."""
+        raise NotImplementedError
 
     def cut(self, wo, wi):
         """Whether light rays from wi have no effect, as in Cycles on a mesh."""
@@ -47,6 +53,9 @@ class Fiber(Lobe):
 class Hair(Fiber):
     """Marschner's lobe of reflection, or of transmission where it ``transmits``: Cauchy distributions of widths
     ``along`` and ``around`` (N,), tilted by ``tilt`` (N,)."""
+
+    def goes_through(self):
+        return self.transmits
 
     def _seen(self, w):
         sine = np.clip(dot(self.tangent, w), -1.0, 1.0)
@@ -119,7 +128,7 @@ class Round(Fiber):
 
     def cut(self, wo, wi):
         n = self.axes(wo)[0]
-        return dot(self.smooth, wi) * dot(self.smooth, n) * dot(n, wi) < 0.0
+        return ~self.strand & (dot(self.smooth, wi) * dot(self.smooth, n) * dot(n, wi) < 0.0)
 
 
 def cosine_of(sine):
@@ -169,6 +178,9 @@ class Chiang(Round):
 
     widths = ("v", "v0", "s")
 
+    def goes_through(self):
+        return self._order > 0
+
     def orders(self, wo):
         """Fractions that R, TT, TRT and all later orders keep, (4, N, 3); the turns of the first three (3, N); the sine
         of wo."""
@@ -201,6 +213,7 @@ class Chiang(Round):
         keeps, turns, sine_o = self.orders(wo)
         share = np.cumsum([luminance(keep) for keep in keeps], 0)
         choice = np.minimum((share <= rng.random(len(wo)) * share[-1]).sum(0), 3)
+        self._order = choice
         sine, phi = np.zeros(len(wo)), TWO_PI * rng.random(len(wo))
         for p, (centre, v) in enumerate(self._lobes(sine_o)):
             drawn = draw_along(rng, centre, v)
@@ -216,6 +229,9 @@ class Huang(Round):
     cosine, ior)`` is the albedo of rough glass from "glass" outside or "glass_inside"."""
 
     widths = ("alpha",)
+
+    def goes_through(self):
+        return False
 
     def evaluate(self, wo, wi):
         return np.zeros(wo.shape), np.zeros(len(wo))

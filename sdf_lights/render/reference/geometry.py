@@ -13,10 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...affine import stretch
-from ..scene import Scene
-from ..strands import baked_instances
+from ..scene import Primitive, Scene
+from ..strands import baked_instances, without_strands
 from .embree import EmbreeRays
 from .hits import Hits
+from .strands import NONE, Strands
 from .vectors import dot, normalize
 
 LEAF = 2
@@ -45,6 +46,11 @@ class Surface:
     ray_singular: np.ndarray
     depth: np.ndarray
     ray_pdf: np.ndarray  # density of its scattering; 0: singular, or the camera
+    # Of curves: which kind of scene.Primitive it is, else 0; and the tangent, of their parameter. Of curves and spheres:
+    # their number, as in ``Strands``.
+    strand: np.ndarray
+    tangent: np.ndarray
+    number: np.ndarray
 
     def select(self, rows: np.ndarray) -> "Surface":
         """The hits of some rows, given as indices or as a mask."""
@@ -147,6 +153,11 @@ def moller_trumbore(o: np.ndarray, d: np.ndarray, corners: np.ndarray):
     return np.where(hit, dot(e2, q) * inverse, np.inf), u, v
 
 
+def _points(origins: np.ndarray, directions: np.ndarray, distance: np.ndarray) -> np.ndarray:
+    """Points (N, 3) of rays; their origins where the ``distance`` is infinite."""
+    return origins + np.where(np.isfinite(distance), distance, 0.0)[:, None] * directions
+
+
 class Placed:
     """All instances of a scene: the surface at a hit."""
 
@@ -183,6 +194,7 @@ class Placed:
         self.materials = np.array(
             [[i.materials[min(slot, len(i.materials) - 1)] for slot in range(width)] for i in scene.instances]
         ).reshape(-1, width)
+        self.strands = Strands(scene)
         self.triangle_count = int(counts[self.mesh_of].sum()) if len(self.mesh_of) else 0
 
     def material(self, instance: np.ndarray, triangle: np.ndarray) -> np.ndarray:
@@ -211,7 +223,7 @@ class Placed:
         wo = -directions
         backfacing = dot(ng, wo) < 0.0
         side = np.where(backfacing, -1.0, 1.0)[:, None]
-        return Surface(
+        surface = Surface(
             position,
             ng * side,
             ns * side,
@@ -226,19 +238,31 @@ class Placed:
             np.zeros(len(wo), bool),
             np.zeros((len(wo), 5), int),
             np.zeros(len(wo)),
+            np.zeros(len(wo), int),
+            np.zeros((len(wo), 3)),
+            np.full(len(wo), NONE),
         )
+        if self.strands.there:
+            curved = np.flatnonzero(self.strands.kinds[hits.instance] != Primitive.TRIANGLES)
+            for name, values in self.strands.surface(hits.select(curved), wo[curved]).items():
+                getattr(surface, name)[curved] = values
+        return surface
 
 
 class Geometry(Placed):
     """All instances of a scene: intersection, and the surface at a hit."""
 
     def __init__(self, scene: Scene, use_embree: bool | None = None):
-        """``use_embree``: None uses Embree for more than ``EMBREE_TRIANGLES`` triangles, if it is found."""
+        """``use_embree``: None uses Embree for more than ``EMBREE_TRIANGLES`` triangles, if it is found. Only Embree finds
+        curves and spheres."""
         super().__init__(scene)
-        if use_embree is None:
-            use_embree = self.triangle_count > EMBREE_TRIANGLES
+        if use_embree is None or self.strands.there:
+            use_embree = self.strands.there or self.triangle_count > EMBREE_TRIANGLES
         self.rays = self._embree() if use_embree else None
         if self.rays is None:
+            if self.strands.there:
+                scene = without_strands(scene, "The NumPy reference")
+                super().__init__(scene)
             self._expand()
         self.size = self._size()
         # Origins are moved off their surface by this fraction of the scene's size: a few roundings of the ray caster.
@@ -272,16 +296,37 @@ class Geometry(Placed):
                 largest = max(largest, float((np.abs(matrix[:3, :3]) @ bound + np.abs(matrix[:3, 3])).max()))
         return largest
 
-    def intersect(self, origins, directions, far, masks) -> Hits:
-        """Nearest hits closer than ``far`` with instances visible to any of the kinds of ray in ``masks`` (N,)."""
-        if self.rays is not None:
-            return self.rays.intersect(origins, directions, far, masks)
-        distance, index, u, v = self._hierarchy.nearest(origins, directions, far, masks)
-        if len(self._instance) == 0:
-            return Hits.none(len(origins))
-        found = index >= 0
-        instance, triangle = (np.where(found, of[index], -1) for of in (self._instance, self._triangle))
-        return Hits(distance, instance, triangle, u, v)
+    def intersect(self, origins, directions, far, masks, refused=None) -> Hits:
+        """Nearest hits closer than ``far`` with instances visible to any of the kinds of ray in ``masks`` (N,), but not with
+        the curves and spheres whose numbers are ``refused`` (N, K)."""
+        if self.rays is None:
+            distance, index, u, v = self._hierarchy.nearest(origins, directions, far, masks)
+            if len(self._instance) == 0:
+                return Hits.none(len(origins))
+            found = index >= 0
+            instance, triangle = (np.where(found, of[index], -1) for of in (self._instance, self._triangle))
+            return Hits(distance, instance, triangle, u, v, _points(origins, directions, distance))
+        hits = self.rays.intersect(origins, directions, far, masks)
+        if self.strands.there and refused is not None:
+            self._pass(hits, origins, directions, far, masks, refused)
+        hits.point = _points(origins, directions, hits.distance)
+        return hits
+
+    def _pass(self, hits: Hits, origins, directions, far, masks, refused: np.ndarray) -> None:
+        """Replace hits with what is ``refused`` by those behind them."""
+        going, begin, step = np.arange(len(origins)), np.zeros(len(origins)), self.epsilon
+        while True:
+            number = self.strands.number(hits.instance[going], hits.triangle[going])
+            going = going[(number != NONE) & (number[:, None] == refused[going]).any(1)]
+            if not len(going):
+                return
+            begin[going] = hits.distance[going] + step
+            step *= 2.0  # from inside, Embree finds the same curve again at once
+            start = origins[going] + begin[going, None] * directions[going]
+            next_ = self.rays.intersect(start, directions[going], far[going] - begin[going], masks[going])
+            next_.distance += begin[going]
+            for target, values in zip(vars(hits).values(), vars(next_).values()):
+                target[going] = values
 
     def offset(self, position: np.ndarray, ng: np.ndarray, direction: np.ndarray) -> np.ndarray:
         """Origins for rays that leave a surface, moved to the side on which they leave."""

@@ -12,13 +12,15 @@ import numpy as np
 @dataclass
 class Hits:
     """Nearest hit of every ray: ``distance`` (inf: none), indices of instance and of triangle within its mesh, and
-    barycentric coordinates of the second and third vertex."""
+    barycentric coordinates of the second and third vertex, or Embree's of a curve; ``point`` (N, 3) is the hit in the
+    world."""
 
     distance: np.ndarray
     instance: np.ndarray
     triangle: np.ndarray
     u: np.ndarray
     v: np.ndarray
+    point: np.ndarray
 
     @property
     def found(self) -> np.ndarray:
@@ -28,8 +30,7 @@ class Hits:
     @classmethod
     def none(cls, count: int) -> "Hits":
         """No hit of ``count`` rays."""
-        nowhere = np.full(count, -1)
-        return cls(np.full(count, np.inf), nowhere, nowhere, np.zeros(count), np.zeros(count))
+        return cls(np.full(count, np.inf), *np.full((2, count), -1), *np.zeros((2, count)), np.zeros((count, 3)))
 
     def select(self, rows: np.ndarray) -> "Hits":
         """Those of some rays, given as indices or as a mask."""

@@ -15,9 +15,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..scene import ALL_SETS, OPEN_SET, Ray, Scene, catchers_only
+from ..scene import ALL_SETS, OPEN_SET, Primitive, Ray, Scene, catchers_only
 from ..scene import Emitter as Control
-from ..strands import without_strands
 from .bsdfs.ray_portal import THROUGH_PORTAL
 from .camera_rays import Camera
 from .geometry import Geometry, Surface
@@ -26,6 +25,7 @@ from .lights import Emitter, Sky, Triangles, blender_light
 from .materials import Materials, Shading
 from .media import Media, Phase, points_of
 from .sdf_lamps import SdfLamp
+from .strands import NONE
 from .subsurface import INSIDE, pass_below
 from .vectors import dot
 
@@ -57,9 +57,10 @@ class Paths:
     catches: np.ndarray  # has hit a shadow catcher
     least_pdf: np.ndarray  # of all directions so far that are not singular
     light_set: np.ndarray  # of the instance of the last scattering; EVERY_SET for the camera
-    inside: np.ndarray  # (N, columns of ``Media``) bool: the media around
+    inside: np.ndarray  # (N, columns of ``Media``): the media around
     channel: np.ndarray  # of RGB, which alone has light in a scene with media
     volume: np.ndarray  # bounces in media
+    left: np.ndarray  # number of the curve or sphere that the ray leaves, which it does not hit again
 
     def select(self, rows: np.ndarray) -> "Paths":
         """Some of the paths, given as indices or as a mask."""
@@ -107,7 +108,6 @@ class Integrator:
     catchers of another one."""
 
     def __init__(self, scene: Scene, use_embree: bool | None = None, bare: bool = False):
-        scene = without_strands(scene, "The NumPy reference")
         self.scene, self.settings = scene, scene.settings
         self.geometry = Geometry(scene, use_embree)
         self.materials = Materials(scene, self.geometry)
@@ -147,7 +147,9 @@ class Integrator:
         """The emissive triangles for light sampling; others are found only by chance."""
         geometry, instances, triangles, corners = self.geometry, [], [], []
         for index, instance in enumerate(self.scene.instances):
-            rows = np.arange(len(self.scene.meshes[instance.mesh].triangles))
+            mesh = self.scene.meshes[instance.mesh]
+            # Curves and spheres are only found by chance, as in Cycles.
+            rows = np.arange(len(mesh.triangles) if mesh.primitive == Primitive.TRIANGLES else 0)
             material = geometry.material(np.full(len(rows), index), rows)
             rows = rows[self.materials.emissive[material]] if len(rows) else rows
             instances.append(np.full(len(rows), index))
@@ -189,6 +191,7 @@ class Integrator:
             inside,
             channel,
             np.zeros(count, int),
+            np.full(count, NONE),
         )
         while len(paths.sample):
             if stop():
@@ -217,7 +220,7 @@ class Integrator:
         if self.bare is None or not met.any():
             return
         part = paths.select(np.flatnonzero(met))
-        self._caught.append((part, Hits(*(array[met] for array in vars(hits).values()))))
+        self._caught.append((part, hits.select(met)))
         rows = part.sample
         samples.caught[rows] = True
         samples.uncaught[rows] = np.maximum(samples.alpha[rows] - part.throughput.mean(1), 0.0)
@@ -227,7 +230,9 @@ class Integrator:
 
     def _step(self, paths: Paths, samples: Samples, rng: np.random.Generator) -> Paths:
         """Trace all paths to their next surface, add emission, scatter; returns the continuing paths."""
-        hits = self.geometry.intersect(paths.start, paths.direction, paths.far - paths.near, paths.kind)
+        hits = self.geometry.intersect(
+            paths.start, paths.direction, paths.far - paths.near, paths.kind, paths.left[:, None]
+        )
         end = np.minimum(paths.near + hits.distance, paths.far)
         if self.media.count:
             return self._step_in_media(paths, hits, end, samples, rng)
@@ -262,6 +267,7 @@ class Integrator:
         paths, surface = paths.select(only), surface.select(only)
         paths.inside = self.media.crossed(paths.inside, surface, np.ones(len(paths.sample), bool))
         paths.near, paths.start = end[only], self.geometry.offset(surface.position, surface.ng, paths.direction)
+        paths.left = surface.number
         return _together([*parts, paths])
 
     def _scatter_in_medium(self, paths: Paths, end: np.ndarray, samples: Samples, rng) -> Paths:
@@ -292,6 +298,7 @@ class Integrator:
             last=(bounces[:, 0] > self.settings.max_bounces) | (volume > self.settings.volume_bounces),
             least_pdf=np.minimum(paths.least_pdf, pdf),
             light_set=self.media.light_set(paths.inside),
+            left=np.full(len(rows), NONE),
         )
 
     def _meet(self, paths: Paths, hits: Hits, end: np.ndarray, samples: Samples, rng: np.random.Generator) -> Paths:
@@ -399,6 +406,7 @@ class Integrator:
         weight = np.ones(len(end))
         if self.triangles is not None:
             known = self.materials.emissive[self.geometry.material(surface.instance, surface.triangle)]
+            known &= surface.number == NONE
             density = self.triangles.density(end, np.abs(dot(surface.ng, surface.wo)))
             weight = np.where(known, self._surface_weight(paths, surface, density), 1.0)
         for index in np.unique(surface.instance) if len(end) else ():
@@ -454,7 +462,7 @@ class Integrator:
         elif emitter is self.triangles:
             wi, distance, pdf, index, u, v = emitter.sample_points(rng, x)
             owner = emitter.instances[index]
-            hits = Hits(distance, owner, emitter.triangles[index], u, v)
+            hits = Hits(distance, owner, emitter.triangles[index], u, v, x + distance[:, None] * wi)
         else:
             wi, distance, radiance, pdf = emitter.sample(rng, x)
             radiance = emitter.modulated(radiance, x, wi, distance, 0)
@@ -479,7 +487,7 @@ class Integrator:
             pdf, distance = pdf[rows], distance[rows]
             end = distance - 4.0 * self.geometry.epsilon
             if hits is not None:
-                hits = Hits(*(array[rows] for array in vars(hits).values()))
+                hits = hits.select(rows)
                 lit = self.geometry.surface(hits, wi)
                 lit.depth = paths.bounces
                 radiance = self.materials.shade(lit, np.zeros(count)).emission
@@ -540,11 +548,12 @@ class Integrator:
         start = self.geometry.light_start(surface, wi)
         left = np.maximum(self.settings.transparent_bounces - paths.bounces[:, 4], 0)
         inside, media = paths.inside, self.media
+        refused = np.stack([surface.number, np.full(count, NONE)], -1)
         if media.count and len(surface.instance) and (surface.instance >= 0).all():
             inside = media.crossed(inside, surface, dot(surface.ns, wi) < 0.0)
         while len(alive):
             mask = np.full(len(alive), int(Ray.SHADOW))
-            hits = self.geometry.intersect(start[alive], wi[alive], (end - near)[alive], mask)
+            hits = self.geometry.intersect(start[alive], wi[alive], (end - near)[alive], mask, refused[alive])
             found = hits.found
             reached = np.copy(end)
             reached[alive] = np.where(found, near[alive] + hits.distance, end[alive])
@@ -560,7 +569,7 @@ class Integrator:
                 begin = np.full(count, np.inf)
                 begin[alive] = near[alive]
                 light += transmittance * radiance(begin, reached)
-            hits, alive = Hits(*(array[found] for array in vars(hits).values())), alive[found]
+            hits, alive = hits.select(found), alive[found]
             blocker = self.geometry.surface(hits, wi[alive])
             passes = self.materials.transparency(blocker)
             counts = np.ones(len(alive), bool) if casts is None else casts[alive, hits.instance]
@@ -571,6 +580,7 @@ class Integrator:
             passes = passes * (left[alive] > 0)[:, None]
             transmittance[alive] *= np.where(counts[:, None], passes, 1.0)
             left[alive] -= counts
+            refused[alive, 1] = blocker.number
             through = transmittance[alive].max(1) > 0.0
             alive = alive[through]
             near[alive] = reached[alive]
@@ -592,7 +602,7 @@ class Integrator:
             )
             part.throughput = throughput
             found = np.flatnonzero(hits.found)
-            hits, part = Hits(*(array[found] for array in vars(hits).values())), part.select(found)
+            hits, part = hits.select(found), part.select(found)
             exits = self.geometry.surface(hits, -direction[found])
             exits.ray_kind, exits.depth = np.zeros(len(found), int), part.bounces
             shading = self.materials.exits(exits, np.zeros(len(found)))
@@ -657,4 +667,5 @@ class Integrator:
             self.media.crossed(paths.inside, surface, passes | ((kind & Ray.TRANSMISSION) != 0)),
             paths.channel,
             paths.volume,
+            surface.number,
         ).select(alive)

@@ -128,7 +128,7 @@ def _evaluate(surface: Surface, lobes: list[Lobe], wi: np.ndarray, kinds: Ray = 
 def _bump_shadowing(surface: Surface, lobe: Lobe, wi: np.ndarray) -> np.ndarray:
     """Conty Estevez, Lecocq and Stein 2019, "A microfacet-based shadowing function to solve the bump terminator
     problem"; for specular lobes only the cut at the horizon of the surface."""
-    bumped = (lobe.normal != surface.ns).any(1)
+    bumped = (lobe.normal != surface.ns).any(1) & (surface.strand == 0)
     cosine, tilt = dot(surface.ns, wi), dot(surface.ns, lobe.normal)
     factor = np.ones(len(wi))
     if lobe.diffuse:
@@ -151,9 +151,9 @@ def _sample(surface: Surface, lobes: list[Lobe], rng: np.random.Generator):
         wi[rows], kind[rows] = direction, lobe.kind(direction)
         if isinstance(lobe, Portal):
             exit_[rows] = lobe.position
-        # A direction must leave on the side of its kind, for any shading normal.
+        # A direction must leave on the side of its kind, for any shading normal. Curves have no other normal.
         through = (kind[rows] & Ray.TRANSMISSION) != 0
-        free = (kind[rows] == 0) | (kind[rows] == THROUGH_PORTAL)
+        free = (kind[rows] == 0) | (kind[rows] == THROUGH_PORTAL) | (part.strand > 0)
         valid = (probability > 0.0) & (free | ((dot(part.ng, direction) < 0.0) == through))
         total, density = _evaluate(part, [one.select(rows) for one in lobes], direction)
         valid &= singular | (density > 0.0)

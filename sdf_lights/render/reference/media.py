@@ -53,14 +53,14 @@ class Media:
         self._part_weight = np.array([np.mean(part.coefficient) for _, part in parts])
         self._g, self._alpha = (np.array([getattr(part, name) for _, part in parts]) for name in ("g", "alpha"))
 
-    # --- where rays are -----------------------------------------------------------------------------------------------
+    # --- where rays are: (N, columns) int, 0 outside of a medium, else the more the later a ray has entered it --------------
 
     def outside(self, count: int) -> np.ndarray:
-        """(count, columns) bool: in the world's medium alone."""
-        return np.tile(np.array(self.owners, int) == WORLD, (count, 1))
+        """(count, columns): in the world's medium alone."""
+        return np.tile((np.array(self.owners, int) == WORLD).astype(int), (count, 1))
 
     def around(self, positions: np.ndarray) -> np.ndarray:
-        """(N, columns) bool: the media around cameras. A mesh contains a point if a ray leaves it without having entered
+        """(N, columns): the media around cameras. A mesh contains a point if a ray leaves it without having entered
         it."""
         inside, start, going = self.outside(len(positions)), positions.copy(), np.arange(len(positions))
         if self._columns.max(initial=-1) < 0:
@@ -74,9 +74,9 @@ class Media:
                 break
             surface = self.geometry.surface(hits, up[going])
             column = self._column(surface)
-            new = (column >= 0) & ~entered[going, column]
+            new = (column >= 0) & (entered[going, column] == 0)
             for table, rows in ((inside, new & surface.backfacing), (entered, new & ~surface.backfacing)):
-                table[going[rows], column[rows]] = True
+                table[going[rows], column[rows]] = table[going[rows]].max(1) + 1
             start[going] = self.geometry.offset(surface.position, surface.ng, up[going])
         return inside
 
@@ -86,7 +86,9 @@ class Media:
             return inside
         column, inside = self._column(surface), inside.copy()
         rows = np.flatnonzero(passes & (column >= 0))
-        inside[rows, column[rows]] = ~surface.backfacing[rows]
+        own = inside[rows, column[rows]]
+        entered = np.where(own > 0, own, inside[rows].max(1, initial=0) + 1)
+        inside[rows, column[rows]] = np.where(surface.backfacing[rows], 0, entered)
         return inside
 
     def only_bounds(self, surface: Surface) -> np.ndarray:
@@ -103,17 +105,17 @@ class Media:
 
     def extinction(self, inside: np.ndarray, channel: np.ndarray) -> np.ndarray:
         """(N,) of the channels (N,), in 1/m."""
-        return (inside * self._extinction[:, channel].T).sum(1)
+        return ((inside > 0) * self._extinction[:, channel].T).sum(1)
 
     def albedo(self, inside: np.ndarray, channel: np.ndarray) -> np.ndarray:
         """(N,) part of the extinction that is scattering."""
         extinction = self.extinction(inside, channel)
-        scattering = (inside * self._scattering[:, channel].T).sum(1)
+        scattering = ((inside > 0) * self._scattering[:, channel].T).sum(1)
         return scattering / np.where(extinction > 0.0, extinction, 1.0)
 
     def emission(self, inside: np.ndarray) -> np.ndarray:
         """(N, 3) radiance gained per metre."""
-        return inside @ self._emission
+        return (inside > 0) @ self._emission
 
     def free_path(self, rng: np.random.Generator, inside: np.ndarray, channel: np.ndarray) -> np.ndarray:
         """(N,) distances to collisions; infinite where there is none."""
@@ -127,13 +129,12 @@ class Media:
         return np.exp(-np.where(extinction > 0.0, extinction * length, 0.0))[:, None]
 
     def light_set(self, inside: np.ndarray) -> np.ndarray:
-        """(N,) for light linking: that of the last column around each point."""
-        last = self.count - 1 - np.argmax(inside[:, ::-1], 1)
-        return np.array(self._sets, int)[last]
+        """(N,) for light linking: that of the medium that each ray has entered last."""
+        return np.array(self._sets, int)[np.argmax(inside, 1)]
 
     def weights(self, inside: np.ndarray) -> np.ndarray:
         """(N, parts) of phase functions, which add up to 1."""
-        weights = inside[:, self._part_column] * self._part_weight
+        weights = (inside[:, self._part_column] > 0) * self._part_weight
         total = weights.sum(1, keepdims=True)
         return weights / np.where(total > 0.0, total, 1.0)
 
@@ -190,4 +191,7 @@ def points_of(position: np.ndarray, direction: np.ndarray) -> Surface:
         number > 0,
         np.zeros((count, 5), int),
         nothing,
+        number,
+        zero,
+        number - 1,
     )

@@ -16,12 +16,13 @@ from ..ies import intensity
 from ..images import Texture
 from ..kernels.geometry import attribute_values
 from ..material import NODES, Attribute, Material, Node, Table
-from ..scene import Domain, Projection
+from ..scene import Domain, Primitive, Projection
 from ..sky import kernels
 from . import probes
 from .camera_rays import Camera
 from .geometry import Placed, Surface
 from .images import lookup
+from .strands import NONE
 from .vectors import normalize
 
 # Bump mapping takes differences over this fraction of a pixel, as in Blender, or over this many metres if a pixel's
@@ -154,17 +155,29 @@ class Points(Inputs):
         return super().variable(name, component) if values is None else values[:, component].astype(float)
 
     def edges(self) -> np.ndarray:
-        """World edges (N, 2, 3) of the triangles from their first vertex."""
-        corners = self.geometry.corners[self.geometry.first[self.mesh] + self.surface.triangle]
-        matrix = self.geometry.matrices[self.surface.instance][:, :3, :3]
-        return np.einsum("nij,nkj->nki", matrix, corners[:, 1:] - corners[:, :1])
+        """World edges (N, 2, 3) of the triangles from their first vertex; the tangents of curves, and the directions across
+        them."""
+        surface = self.surface
+        corners = self.geometry.corners[self.geometry.first[self.mesh] + surface.triangle]
+        matrix = self.geometry.matrices[surface.instance][:, :3, :3]
+        edges = np.einsum("nij,nkj->nki", matrix, corners[:, 1:] - corners[:, :1])
+        if not self.geometry.strands.there:
+            return edges
+        flat = (surface.strand == Primitive.RIBBONS)[:, None]
+        across = np.cross(surface.tangent, np.where(flat, surface.wo, surface.ng))
+        round_ = (surface.number != NONE)[:, None, None]
+        return np.where(round_, np.stack([surface.tangent, across], 1), edges)
 
     def _object_normal(self) -> np.ndarray:
         row = self.geometry.first[self.mesh] + self.surface.triangle
         smooth = np.einsum("nk,nkj->nj", self.surface.barycentric, self.geometry.normals[row])
         corners = self.geometry.corners[row]
         flat = normalize(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
-        return np.where(self.surface.smooth[:, None], smooth, flat)
+        found = np.where(self.surface.smooth[:, None], smooth, flat)
+        outside = self.surface.ng * np.where(self.surface.backfacing, -1.0, 1.0)[:, None]
+        linear = self.geometry.matrices[self.surface.instance][:, :3, :3]
+        of_strand = normalize(np.einsum("nji,nj->ni", linear, outside))
+        return np.where((self.surface.number != NONE)[:, None], of_strand, found)
 
     # --- functions ----------------------------------------------------------------------------------------------------
 
@@ -230,6 +243,35 @@ class Points(Inputs):
         instances = [self.geometry.scene.instances[index] for index in used]
         rows = [(*np.asarray(i.matrix)[:3, 3], *i.color, i.index, i.random) for i in instances]
         return np.array(rows, float).reshape(-1, 9)[place.ravel()].T
+
+    def _sizes(self, corner: int) -> tuple[np.ndarray, np.ndarray]:
+        """Radii (N,) of curves or spheres at a vertex of what was hit, in local space; the factor (N,) to the world, of a
+        diagonal."""
+        surface, radius, factor = self.surface, np.zeros(self.count), np.ones(self.count)
+        curved = surface.number != NONE
+        for index in np.unique(surface.instance[curved]):
+            rows = np.flatnonzero(curved & (surface.instance == index))
+            mesh = self.geometry.scene.meshes[self.geometry.mesh_of[index]]
+            radius[rows] = np.asarray(mesh.radii, float)[mesh.triangles[surface.triangle[rows], corner]]
+            factor[rows] = np.linalg.norm(self.geometry.matrices[index][:3, :3].sum(1)) / np.sqrt(3.0)
+        return radius, factor
+
+    def _strand_info(self, static):
+        surface, (first, factor) = self.surface, self._sizes(0)
+        thickness = 2.0 * (first + surface.barycentric[:, 1] * (self._sizes(1)[0] - first))
+        tangent, wo = surface.tangent, surface.wo
+        square = np.maximum((tangent * tangent).sum(1), 1e-300)
+        across = normalize(wo - ((tangent * wo).sum(1) / square)[:, None] * tangent)
+        values = [np.ones(self.count), thickness * (factor if static[0] else 1.0), *across.T]
+        return np.array(values) * (surface.strand > 0)
+
+    def _point_info(self, static):
+        surface, (radius, factor) = self.surface, self._sizes(0)
+        corners = self.geometry.corners[self.geometry.first[self.mesh] + surface.triangle]
+        (center,) = np.moveaxis(corners[:, :1], 1, 0)
+        matrix = self.geometry.matrices[surface.instance]
+        center = np.einsum("nij,nj->ni", matrix[:, :3, :3], center) + matrix[:, :3, 3]
+        return np.array([*center.T, radius * factor]) * ((surface.number != NONE) & (surface.strand == 0))
 
     def _seen(self, *vector):
         """In the view of the camera: x to the right, y up, z into the picture."""

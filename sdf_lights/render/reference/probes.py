@@ -21,13 +21,13 @@ def _next(geometry: Geometry, local: bool, instance: np.ndarray, origins, direct
     """Nearest hits beyond the distance ``near``, measured from the origins."""
     near, far = np.array(near, float), np.broadcast_to(far, len(origins))
     result, going = Hits.none(len(origins)), np.flatnonzero(near < far)
-    result = Hits(*(np.array(array) for array in vars(result).values()))
     while len(going):
         start = origins[going] + near[going, None] * directions[going]
         hits = geometry.intersect(start, directions[going], far[going] - near[going], np.full(len(going), int(kind)))
         distance = near[going] + hits.distance
         met = hits.found & (~np.array(local) | (hits.instance == instance[going]))
-        for target, values in zip(vars(result).values(), (distance, hits.instance, hits.triangle, hits.u, hits.v)):
+        hits.distance = distance
+        for target, values in zip(vars(result).values(), vars(hits).values()):
             target[going[met]] = values[met]
         again = hits.found & ~met
         near[going] = distance + geometry.epsilon
@@ -118,7 +118,7 @@ def _probe(geometry: Geometry, surface: Surface, radius: np.ndarray, rng) -> np.
             2.0 * height[going],
             Ray.ALL,
         )
-        going, hits = going[hits.found], Hits(*(array[hits.found] for array in vars(hits).values()))
+        going, hits = going[hits.found], hits.select(hits.found)
         found = geometry.surface(hits, -along[going])
         chances = picks * np.abs(np.einsum("nij,nj->ni", axes[going], found.ng))
         weight = chances[np.arange(len(going)), axis[going]] / np.maximum((chances**2).sum(1), 1e-300)
@@ -149,7 +149,7 @@ def raycast(geometry: Geometry, surface: Surface, local: bool, origins, directio
     result = np.zeros((10, count))
     result[2] = distance
     rows = np.flatnonzero(hits.found)
-    hits = Hits(*(array[rows] for array in vars(hits).values()))
+    hits = hits.select(rows)
     found = geometry.surface(hits, unit[rows])
     result[0, rows], result[1, rows] = 1.0, found.instance == surface.instance[rows]
     result[2, rows], result[3:6, rows] = hits.distance / length[rows], found.ns.T

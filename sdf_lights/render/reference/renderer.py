@@ -9,7 +9,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ..film import CAUGHT_LIGHT, DISCARDED, HALF_BIT, Film
-from ..motion import at, time_of
+from ..motion import at, part_of, time_of
 from ..passes import CATCHER_SUMS
 from ..scene import Scene
 from .integrator import Integrator, Samples
@@ -72,18 +72,13 @@ class ReferenceRenderer:
             for index in range(first, first + count):
                 for pixels in groups:
                     height = (pixels[0] // film.width + film.window[1]) / self._scene.height
-                    time = time_of(shutter, self._part(self._scene.settings.sample_offset + index), height)
+                    part = part_of(self._seed, self._scene.settings.sample_offset + index)
+                    time = time_of(shutter, part, height)
                     self._integrator = Integrator(at(self._scene, time), self._use_embree)
                     if not self._sample(pixels, index, 1, stop, lambda part: report((index - first) / count)):
                         return False
         film.samples = first + count
         return True
-
-    def _part(self, index: int) -> float:
-        """Fraction of the exposure at which sample ``index`` is taken: van der Corput's sequence with a random
-        shift."""
-        rng = np.random.Generator(np.random.Philox(np.random.SeedSequence([self._seed, 1])))
-        return (int(f"{index:032b}"[::-1], 2) / 2**32 + rng.random()) % 1.0
 
     def _sample(
         self, active: np.ndarray, first: int, count: int, stop: Callable[[], bool], report: Callable[[float], None]

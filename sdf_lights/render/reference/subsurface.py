@@ -171,11 +171,6 @@ def medium(lobe: Subsurface) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 # --- ways through an instance -----------------------------------------------------------------------------------------
 
 
-def _no_hits(count: int) -> Hits:
-    """Empty hits, to be filled in."""
-    return Hits(np.full(count, np.inf), *np.full((2, count), -1), *np.zeros((2, count)))
-
-
 def _fill(found: Hits, rows: np.ndarray, hits: Hits, which: np.ndarray) -> None:
     """Write the hits ``which`` (N,) bool into the ``rows`` of ``found``."""
     for name, values in vars(hits).items():
@@ -184,7 +179,7 @@ def _fill(found: Hits, rows: np.ndarray, hits: Hits, which: np.ndarray) -> None:
 
 def _own_hits(geometry: Geometry, instance, origin, direction, far) -> Hits:
     """Nearest hits with each ray's own instance, closer than ``far``."""
-    found, begin, left = _no_hits(len(instance)), np.zeros(len(instance)), np.arange(len(instance))
+    found, begin, left = Hits.none(len(instance)), np.zeros(len(instance)), np.arange(len(instance))
     while len(left):
         o = origin[left] + begin[left, None] * direction[left]
         hits = geometry.intersect(o, direction[left], far[left] - begin[left], np.full(len(left), int(Ray.ALL)))
@@ -219,7 +214,7 @@ def pass_below(geometry: Geometry, lobe: Subsurface, surface: Surface, wi, throu
     if lobe.method == "BURLEY":
         return _pass_by_profile(geometry, lobe, surface, throughput, rng)
     count = len(wi)
-    found, out = _no_hits(count), np.zeros((count, 3))
+    found, out = Hits.none(count), np.zeros((count, 3))
     extinction, albedo, factor = medium(lobe)
     throughput = throughput * factor
     position, direction = geometry.offset(surface.position, surface.ng, wi), wi.copy()
@@ -284,12 +279,12 @@ def _pass_by_profile(geometry: Geometry, lobe: Subsurface, surface: Surface, thr
         + (r * np.sin(angle))[:, None] * second
     )
     density = _profile(radius, r[:, None]).sum(1) / deep.sum(1)
-    found, out, chosen, total = _no_hits(count), n.copy(), np.zeros((count, 3)), np.zeros(count)
+    found, out, chosen, total = Hits.none(count), n.copy(), np.zeros((count, 3)), np.zeros(count)
     begin, alive = np.zeros(count), np.flatnonzero(density > 0.0)
     while len(alive):
         origin = start[alive] - begin[alive, None] * axis[alive]
         hits = _own_hits(geometry, surface.instance[alive], origin, -axis[alive], 2.0 * half[alive] - begin[alive])
-        alive, hits = alive[hits.found], Hits(*(values[hits.found] for values in vars(hits).values()))
+        alive, hits = alive[hits.found], hits.select(hits.found)
         if not len(alive):
             break
         begin[alive] += hits.distance + geometry.epsilon

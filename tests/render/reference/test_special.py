@@ -75,6 +75,9 @@ def reference(node: Node, count: int, wo=VIEW, kind: int = 1) -> tuple[Materials
         np.zeros(count, bool),
         np.zeros((count, 5), int),
         np.zeros(count),
+        nowhere,
+        np.zeros((count, 3)),
+        nowhere - 1,
     )
     return Materials(scene, geometry), points
 

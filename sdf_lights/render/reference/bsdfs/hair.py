@@ -7,19 +7,26 @@ from __future__ import annotations
 import numpy as np
 
 from ...material import Node
-from ..closures import Lobe, specular_normal
-from ..fibers import EUMELANIN, PHEOMELANIN, Chiang, Hair, Huang, absorption_of
+from ...scene import Primitive
+from ..closures import Lobe, Straight, dielectric, specular_normal
+from ..fibers import EUMELANIN, PHEOMELANIN, Chiang, Hair, Huang, absorption_of, cosine_of
 from ..vectors import dot, normalize
 
 
 def _hair(points, node: Node, weight: np.ndarray, normal: np.ndarray) -> Lobe:
-    given = node["tangent"] is not None
-    tangent = normalize(points.value(node["tangent"], 3) if given else points.edges()[:, 1])
-    tilt = -points.input(node, "offset") if given else np.zeros(points.count)
+    given, strand = node["tangent"] is not None, points.surface.strand > 0
+    tilt = -points.input(node, "offset")
+    if given:
+        tangent = normalize(points.value(node["tangent"], 3))
+    else:  # on a mesh the direction of hair is unknown
+        edges = points.edges()
+        tangent = normalize(np.where(strand[:, None], edges[:, 0], edges[:, 1]))
+        tilt = np.where(strand, tilt, 0.0)
     return Hair(
         weight,
         normal,
         facing=points.surface.ng,
+        strand=strand,
         tangent=tangent,
         tilt=tilt,
         transmits=node.settings.get("component") == "TRANSMISSION",
@@ -52,6 +59,7 @@ def _principled_hair(points, node: Node, weight: np.ndarray, table) -> Lobe:
         normal=surface.ns,
         smooth=surface.ns,
         facing=surface.ng,
+        strand=surface.strand > 0,
         tangent=tangent,
         sigma=_absorption(points, node, radial),
         ior=points.input(node, "ior"),
@@ -65,16 +73,19 @@ def _principled_hair(points, node: Node, weight: np.ndarray, table) -> Lobe:
         factors = np.stack(
             [np.maximum(points.input(node, name), 0.0) for name in ("r_lobe", "tt_lobe", "trt_lobe")], -1
         )
-        return Huang(
+        lobe = Huang(
             **shared,
             alpha=np.clip(roughness, 0.001, 1.0),
             factors=factors,
             glass=glass,
             aspect=np.maximum(points.input(node, "aspect_ratio"), 1e-3),
         )
+        lobe.albedo = lobe.weight * _estimated(lobe, surface.wo)
+        return lobe
     coat, s = np.clip(points.input(node, "coat"), 0.0, 1.0), np.clip(radial, 0.001, 1.0)
     x = normalize(np.cross(tangent, surface.wo))
-    offset = np.clip(dot(np.cross(surface.ng, tangent), np.cross(tangent, x)), -1.0, 1.0)
+    offset = dot(np.cross(surface.ng, tangent), np.cross(tangent, x))
+    offset = np.clip(np.where(surface.strand == Primitive.RIBBONS, -surface.barycentric[:, 2], offset), -1.0, 1.0)
     lobe = Chiang(
         **shared,
         offset=offset,
@@ -84,6 +95,33 @@ def _principled_hair(points, node: Node, weight: np.ndarray, table) -> Lobe:
     )
     lobe.albedo = lobe.weight * lobe.orders(surface.wo)[0].sum(0)
     return lobe
+
+
+def _estimated(lobe: Huang, wo: np.ndarray) -> np.ndarray:
+    """(N, 3) how much a fiber scatters, as the path tracer estimates it for its passes."""
+    sine = np.clip(dot(lobe.tangent, wo), -1.0, 1.0)
+    f = dielectric(0.8 * cosine_of(sine), lobe.ior)[0][:, None]
+    kept = np.exp(-lobe.sigma * (1.7 / cosine_of(sine / lobe.ior))[:, None])
+    r, tt, trt = lobe.factors.T[:, :, None]
+    return r * f + (1.0 - f) ** 2 * (tt * kept + trt * f * kept**2)
+
+
+def _is_missed(points, node: Node) -> np.ndarray:
+    """(N,) whether rays that hit round strands miss the ellipse in them."""
+    surface = points.surface
+    aspect = np.maximum(points.input(node, "aspect_ratio"), 1e-3)
+    aspect = np.minimum(aspect, 1.0 / aspect)
+    tangent = surface.tangent
+    axis = np.zeros((points.count, 3)) if node["axis"] is None else points.value(node["axis"], 3)
+    along = normalize(tangent)
+    side = normalize(np.roll(along, 1, 1) - np.roll(along, -1, 1))
+    major = normalize(np.cross(tangent, normalize(np.cross(axis, tangent))))
+    major = np.where((dot(major, major) > 0.5)[:, None], major, np.cross(along, side))
+    x, z = dot(surface.wo, major), dot(surface.wo, normalize(np.cross(major, tangent)))
+    radius = np.sqrt(1.0 - (1.0 - aspect**2) * x * x / np.maximum(x * x + z * z, 1e-30))
+    place = dot(normalize(np.cross(tangent, surface.wo)), surface.ns)
+    place = np.where(surface.strand == Primitive.RIBBONS, surface.barycentric[:, 2], place)
+    return (surface.strand > 0) & (np.abs(place) >= radius)
 
 
 def _variance(roughness: np.ndarray) -> np.ndarray:
@@ -98,6 +136,11 @@ def _add_hair(builder, node, weight):
 
 
 def _add_principled_hair(builder, node, weight):
+    if node.settings.get("model") == "HUANG":
+        missed = _is_missed(builder.points, node)[:, None]
+        if missed.any():
+            builder.lobes.append(Straight(np.repeat(weight * missed, 3, 1), builder.surface.ns))
+            weight = weight * ~missed
     builder.lobes.append(_principled_hair(builder.points, node, weight, builder.table))
 
 
