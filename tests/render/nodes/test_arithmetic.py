@@ -77,7 +77,7 @@ def _maths():
         yield Case("ShaderNodeMapRange", "Result", dict(empty, Value=A), settings, label="empty")
         bounds = dict(From_Min_FLOAT3=V, From_Max_FLOAT3=V, To_Min_FLOAT3=OTHER, To_Max_FLOAT3=COLOR)
         yield Case("ShaderNodeMapRange", "Vector", dict(bounds, Vector=U), settings | VECTORS, label="empty")
-        bounds = {name: (0.5, 0.25, -0.75) for name in bounds} | dict(To_Max_FLOAT3=(1.0, -2.0, 0.0))
+        bounds = dict.fromkeys(bounds, (0.5, 0.25, -0.75)) | dict(To_Max_FLOAT3=(1.0, -2.0, 0.0))
         yield Case("ShaderNodeMapRange", "Vector", bounds, settings | VECTORS, label="empty, of constants")
 
 
