@@ -165,8 +165,9 @@ class Meshes:
         triangles = read(data.attributes[".corner_vert"].data, "value", np.int32)[corners]
         faces = read(data.loop_triangle_polygons, "value", np.int32)
 
-        finite = np.isfinite(positions).all(axis=1)
+        finite = np.isfinite(positions)
         if not finite.all():
+            finite = finite.all(axis=1)
             self._warn(
                 f"Mesh '{data.name}' has vertices whose coordinates are not finite numbers: "
                 "the faces at them are left out; delete those vertices."

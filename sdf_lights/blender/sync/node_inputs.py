@@ -101,14 +101,19 @@ class BlenderInputs:
         if found is None:
             return False
         node, end, _ = self._reader.resolve(found, self._stack)
-        return node is not None or replaces_default(end, found) or self._is_folded(end, found)
+        if node is not None or replaces_default(end, found):
+            return True
+        # Such a texture of constants has even the hidden value of a group's input.
+        return end not in (found, NOWHERE) and self._node.bl_idname in _FOLDED and self._is_folded(found.identifier)
 
-    def _is_folded(self, end, receiver) -> bool:
-        """Whether Blender computes the node itself, like a texture of constants, and so uses even a hidden value of a
-        group's input."""
-        if not INLINED or end in (receiver, NOWHERE) or self._node.bl_idname not in _FOLDED:
+    def is_folded(self) -> bool:
+        return self._is_folded()
+
+    def _is_folded(self, ignored: str = "") -> bool:
+        """``is_folded``, whatever the input ``ignored`` is."""
+        if not INLINED:
             return False
-        others = [socket for socket in self._node.inputs if socket.enabled and socket.identifier != receiver.identifier]
+        others = [socket for socket in self._node.inputs if socket.enabled and socket.identifier != ignored]
         values = [self._reader.value(socket, self._stack)[0] for socket in others]
         return not any(
             isinstance(each, Formula | Vector) and numbers_of(self._reader.parameters, each) is None for each in values

@@ -236,7 +236,7 @@ class Accelerator:
 
     def _triangles(self, forms: list[np.ndarray], triangles: np.ndarray) -> int:
         """A geometry with the vertices ``forms``, each (V, 3), at even times."""
-        indices = np.ascontiguousarray(triangles, np.uint32)
+        indices = np.ascontiguousarray(triangles, np.int32)
         self._keep.append(indices)
         geometry = self._api.rtcNewGeometry(self._device.handle, _TRIANGLES)
         share = self._api.rtcSetSharedGeometryBuffer

@@ -211,7 +211,7 @@ def instance_boxes(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
     for mesh in {instance.mesh for instance in used}:
         positions = geometry.positions_of(scene.meshes[mesh])
         beyond = margin(scene.meshes[mesh])
-        bounds[mesh] = np.stack([positions.min(axis=0), positions.max(axis=0)]).astype(np.float64)
+        bounds[mesh] = np.stack(geometry.bounds_of(positions))
         bounds[mesh] += np.array([[-beyond], [beyond]])
     if not used:
         return np.zeros((0, 3)), np.zeros((0, 3))

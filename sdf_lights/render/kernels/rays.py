@@ -68,9 +68,16 @@ SCALARS = [(name, np.int64) for name in ("embree_scene", "rtc_intersect", "rtc_o
 ray_table = table("ray", RAY)
 
 
+_IN_CACHE = 1 << 13  # positions whose float64 values fit the processor's cache
+
+
 def world_positions(positions: np.ndarray, matrix: np.ndarray) -> np.ndarray:
     """(V, 3) float32 world positions, rounded once, after the transform."""
-    return (positions.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]).astype(np.float32)
+    result = np.empty(positions.shape, np.float32)
+    for start in range(0, len(positions), _IN_CACHE):
+        part = slice(start, start + _IN_CACHE)
+        result[part] = positions[part].astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
+    return result
 
 
 def masks_of(

@@ -48,6 +48,10 @@ class NodeInputs(Protocol):
         """Whether an input with default coordinates or a default normal has another source: a link, or the value of a
         group's input."""
 
+    def is_folded(self) -> bool:
+        """Whether Blender computes the node itself and gives Cycles only the result: since 5.0, if all inputs are
+        constants."""
+
     def has(self, socket: str) -> bool:
         """Whether the node has such an input in this version of Blender."""
 
@@ -113,6 +117,9 @@ class GivenNode(NodeInputs):
         return isinstance(self._inputs.get(socket), (Formula, Vector))
 
     is_given = is_linked
+
+    def is_folded(self) -> bool:
+        return False
 
     def own(self, output: str) -> Formula | Vector:
         value = self._inputs[output]

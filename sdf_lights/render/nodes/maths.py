@@ -335,7 +335,7 @@ INTERPOLATIONS: dict[str, Callable[..., Formula]] = {
 
 @defines("ShaderNodeMapRange", modes=INTERPOLATIONS)
 def map_range(node: NodeInputs):
-    """Numbers and vectors, with *Clamp*. An empty range gives 0 for numbers, *To Min* for vectors."""
+    """Numbers and vectors, with *Clamp*. An empty range gives *To Min*, except for a number that Cycles computes: 0."""
     interpolation = INTERPOLATIONS.get(node.setting("interpolation_type"))
     if interpolation is None:
         node.report(f"the interpolation {node.setting('interpolation_type')} is not known, so it is linear")
@@ -356,7 +356,8 @@ def map_range(node: NodeInputs):
         node.number(name) for name in ("Value", "From Min", "From Max", "To Min", "To Max")
     )
     share = interpolation((value - from_low) / (from_high - from_low), node.number("Steps") if steps else constant(0.0))
-    result = where_equal(from_low, from_high, 0.0, low + share * (high - low))
+    empty = low if node.is_folded() else 0.0
+    result = where_equal(from_low, from_high, empty, low + share * (high - low))
     return {"Result": clamp_between(result, low, high) if held else result}
 
 

@@ -23,6 +23,7 @@ COLOR, OTHER = _random.choice(_PARTS, (2, COUNT, 3))
 COLOR[:8], OTHER[4:12] = _PARTS[1:9, None], _PARTS[1:9, None]  # greys
 FACTOR = np.tile([-0.25, 0.0, 0.25, 0.5, 0.75, 1.0, 1.0, 1.5], 8)
 ANGLES = _random.uniform(-4.0, 4.0, (COUNT, 3))
+VECTORS = dict(data_type="FLOAT_VECTOR")
 UNIT = _random.normal(size=(COUNT, 3))
 UNIT /= np.linalg.norm(UNIT, axis=1)[:, None]
 
@@ -69,8 +70,15 @@ def _maths():
             To_Max_FLOAT3=(1.0, -2.0, 0.0),
             Steps_FLOAT3=COLOR,
         )
-        yield Case("ShaderNodeMapRange", "Vector", dict(bounds, Vector=U), dict(settings, data_type="FLOAT_VECTOR"))
-        yield Case("ShaderNodeMapRange", "Vector", bounds, dict(settings, data_type="FLOAT_VECTOR"), label="not linked")
+        yield Case("ShaderNodeMapRange", "Vector", dict(bounds, Vector=U), settings | VECTORS)
+        yield Case("ShaderNodeMapRange", "Vector", bounds, settings | VECTORS, label="not linked")
+        empty = {"Value": 2.0, "From Min": 0.5, "From Max": 0.5, "To Min": 0.25, "To Max": 3.0}
+        yield Case("ShaderNodeMapRange", "Result", empty, settings, label="empty, of constants")
+        yield Case("ShaderNodeMapRange", "Result", dict(empty, Value=A), settings, label="empty")
+        bounds = dict(From_Min_FLOAT3=V, From_Max_FLOAT3=V, To_Min_FLOAT3=OTHER, To_Max_FLOAT3=COLOR)
+        yield Case("ShaderNodeMapRange", "Vector", dict(bounds, Vector=U), settings | VECTORS, label="empty")
+        bounds = dict.fromkeys(bounds, (0.5, 0.25, -0.75)) | dict(To_Max_FLOAT3=(1.0, -2.0, 0.0))
+        yield Case("ShaderNodeMapRange", "Vector", bounds, settings | VECTORS, label="empty, of constants")
 
 
 def _mixes():
