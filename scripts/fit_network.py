@@ -154,7 +154,7 @@ def _train_with_torch(points, distances, weights, biases, omega, steps, batches,
         values = torch.nn.functional.linear(values, weights[-1], biases[-1])[:, 0]
         square = torch.mean((values - distances[chosen]) ** 2)
         if step % 500 == 0:
-            told(step, float(square) ** 0.5)
+            told(step, square.item() ** 0.5)
         for group in optimizer.param_groups:
             group["lr"] = _rate(step, steps)
         optimizer.zero_grad()

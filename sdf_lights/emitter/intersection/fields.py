@@ -62,6 +62,7 @@ class CompiledField:
     operations: np.ndarray  # of each term, per point
     costs: np.ndarray  # rough time of each term for LANES points: the same on every machine
     depth: int  # greatest number of values that an evaluation of all terms holds at a time
+    boxes: int  # how many times as many boxes a tree may have (``TableFunction.boxes``)
     code: tuple
 
     def all_terms(self) -> np.ndarray:
@@ -141,6 +142,9 @@ def compile_terms(terms: list[Term]) -> CompiledField:
         operations=np.array([_work(nodes, numbers, 1.0) for nodes, numbers in graphs]),
         costs=np.array([10.0 + 0.7 * _work(nodes, numbers, 50.0) for nodes, numbers in graphs]),
         depth=depth,
+        boxes=max(
+            (getattr(node.value, "boxes", 1) for nodes, _ in graphs for node in nodes if node.kind == CALL), default=1
+        ),
         code=tuple(dict.fromkeys(code)),
     )
 
