@@ -24,7 +24,7 @@ from sdf_lights.render.nodes.variables import BACKFACING, NORMAL, POSITION, RAY_
 from sdf_lights.render.scene import Camera, Image, Instance, Lamp, Mesh, Projection, Ray, Scene, Shutter, World
 from sdf_lights.render.settings import Filter, LampPaths, Settings
 from sdf_lights.sdf import shapes
-from sdf_lights.sdf.emission import Emission, EmissionExpression, in_colours
+from sdf_lights.sdf.emission import Emission, EmissionExpression
 from support.graphs import Graph
 
 WIDTH, HEIGHT = 48, 36
@@ -811,29 +811,6 @@ def data_lamps(width: int = WIDTH, height: int = HEIGHT) -> Scene:
     return scene
 
 
-def coloured_lamps(width: int = WIDTH, height: int = HEIGHT) -> Scene:
-    """The lamps of data with the colours of a picture, along a curve, and across a box."""
-    from sdf_lights.sdf.data.texture import texture_table
-
-    scene = data_lamps(width, height)
-    outline, rod, mesh = scene.lamps
-    quarters = np.array([[[1.0, 0.1, 0.1], [0.1, 1.0, 0.1]], [[0.1, 0.1, 1.0], [1.0, 1.0, 0.2]]], np.float32)
-    colours = texture_table(np.repeat(np.repeat(quarters, 4, axis=0), 4, axis=1))
-    outline.emission = in_colours(_emission("1"), colours, 0.7, 0.7)
-    rod.emission = _emission("ramp(along, 0, (1, 0.1, 0.1), 0.5, (0.1, 1, 0.1), 1, (0.1, 0.1, 1))")
-    mesh.emission = _emission("(0.2 + u, 1.2 - u, 0.3 + 0.7 * v * height)")
-    return scene
-
-
-def network_lamp(width: int = WIDTH, height: int = HEIGHT) -> Scene:
-    """A network of sines, half sunk in the floor."""
-    from sdf_lights.sdf.data.simplest import simplest
-
-    scene = room(width, height)
-    scene.lamps.append(Lamp("network", simplest()[3], translation(0.0, 0.2, 0.4) @ rotation("z", 30), power=30.0))
-    return scene
-
-
 def varying_lamps(width: int = WIDTH, height: int = HEIGHT) -> Scene:
     """Emission by position, depth and height: of a primitive, a closed form, a field, and a fog with a pane in it."""
     scene = room(width, height)
@@ -1087,8 +1064,6 @@ SCENES = {
         frame_lamp,
         field_lamps,
         data_lamps,
-        coloured_lamps,
-        network_lamp,
         varying_lamps,
         inside_lamp,
         veiled,
