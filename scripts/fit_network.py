@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Fits a network of sines to a shape, for lamps with Source: Network. With NumPy alone; a seed gives one network.
+"""Fits a network of sines to a shape, for lamps with Source: Network. With NumPy alone, where a seed gives one network, or by PyTorch.
 
-python fit_network.py SOURCE OUT.npz [--object NAME] [--width 32] [--layers 2] [--omega 10] [--steps 4000] [--seed 0]
+python fit_network.py SOURCE OUT.npz [--object NAME] [--width 32] [--layers 2] [--omega 10] [--steps 4000] [--seed 0] [--torch]
 
 SOURCE is a mesh (.obj, .ply, .stl), a .blend with --object, or a text file with an expression (.txt).
 """
@@ -64,7 +64,15 @@ def shape_of(source: pathlib.Path, name: str = "") -> Shape:
 
 
 def fit(
-    shape: Shape, width: int, layers: int, omega: float, steps: int, batch: int, seed: int, say=lambda text: None
+    shape: Shape,
+    width: int,
+    layers: int,
+    omega: float,
+    steps: int,
+    batch: int,
+    seed: int,
+    say=lambda text: None,
+    with_torch: bool = False,
 ) -> Siren:
     """A network whose field is near that of the shape: least squares by Adam (Kingma and Ba 2015), near its surface above all."""
     rng = np.random.default_rng(seed)
@@ -84,14 +92,37 @@ def fit(
         weights.append(rng.uniform(-spread, spread, (outputs, inputs)).astype(np.float32))
         biases.append(rng.uniform(-spread, spread, outputs).astype(np.float32))
         inputs = outputs
+    train = _train_with_torch if with_torch else _train
+    batches = (rng.integers(len(points), size=batch) for _ in range(steps))
+    weights, biases = train(
+        points,
+        distances,
+        weights,
+        biases,
+        omega,
+        steps,
+        batches,
+        lambda step, error: say(f"{step}: {size * error:.5f} m"),
+    )
+    # From a box of half side 1 to metres.
+    scaled = [weights[0].astype(np.float64) / size, *weights[1:-1], size * weights[-1]]
+    moved = [biases[0] - scaled[0] @ middle, *biases[1:-1], size * biases[-1]]
+    return Siren(scaled, moved, omega, (middle - size * half, middle + size * half))
+
+
+def _rate(step: int, steps: int) -> float:
+    return RATES[0] * (RATES[1] / RATES[0]) ** (step / steps)
+
+
+def _train(points, distances, weights, biases, omega, steps, batches, told):
+    """Weights and biases after ``steps`` steps, each with the points that are next in ``batches``."""
     parameters = weights + biases
     first, second = ([np.zeros_like(part) for part in parameters] for _ in range(2))
-    for step in range(steps):
-        chosen = rng.integers(len(points), size=batch)
+    for step, chosen in enumerate(batches):
         error, slopes = _slopes(points[chosen], distances[chosen], weights, biases, np.float32(omega))
         if step % 500 == 0:
-            say(f"{step}: {size * error:.5f} m")
-        rate = RATES[0] * (RATES[1] / RATES[0]) ** (step / steps)
+            told(step, error)
+        rate = _rate(step, steps)
         for part in weights:
             part *= np.float32(1.0 - DECAY * rate)
         for part, slope, mean, square in zip(parameters, slopes, first, second):
@@ -99,10 +130,37 @@ def fit(
             square += (1.0 - MOMENTS[1]) * (slope**2 - square)
             unbiased = mean / (1.0 - MOMENTS[0] ** (step + 1))
             part -= np.float32(rate) * unbiased / (np.sqrt(square / (1.0 - MOMENTS[1] ** (step + 1))) + 1e-8)
-    # From a box of half side 1 to metres.
-    scaled = [weights[0].astype(np.float64) / size, *weights[1:-1], size * weights[-1]]
-    moved = [biases[0] - scaled[0] @ middle, *biases[1:-1], size * biases[-1]]
-    return Siren(scaled, moved, omega, (middle - size * half, middle + size * half))
+    return weights, biases
+
+
+def _train_with_torch(points, distances, weights, biases, omega, steps, batches, told):
+    """The same by PyTorch, on its graphics card if there is one."""
+    try:
+        import torch
+    except ImportError:
+        raise SystemExit("PyTorch is not installed: install it, or leave out --torch.") from None
+    device = "cuda" if torch.cuda.is_available() else "cpu"
+    points, distances = (torch.from_numpy(array).to(device) for array in (points, distances))
+    weights, biases = (
+        [torch.from_numpy(part).to(device).requires_grad_() for part in parts] for parts in (weights, biases)
+    )
+    groups = [dict(params=weights, weight_decay=DECAY), dict(params=biases, weight_decay=0.0)]
+    optimizer = torch.optim.AdamW(groups, betas=MOMENTS)
+    for step, chosen in enumerate(batches):
+        chosen = torch.from_numpy(chosen).to(device)
+        values = points[chosen]
+        for weight, bias in zip(weights[:-1], biases):
+            values = torch.sin(omega * torch.nn.functional.linear(values, weight, bias))
+        values = torch.nn.functional.linear(values, weights[-1], biases[-1])[:, 0]
+        square = torch.mean((values - distances[chosen]) ** 2)
+        if step % 500 == 0:
+            told(step, square.item() ** 0.5)
+        for group in optimizer.param_groups:
+            group["lr"] = _rate(step, steps)
+        optimizer.zero_grad()
+        (0.5 * square).backward()
+        optimizer.step()
+    return tuple([part.detach().cpu().numpy() for part in parts] for parts in (weights, biases))
 
 
 def _slopes(points, wanted, weights, biases, omega):
@@ -137,10 +195,11 @@ def main(arguments: list[str]) -> None:
     parser.add_argument("--steps", type=int, default=4000)
     parser.add_argument("--batch", type=int, default=4096, help="points of a step")
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--torch", action="store_true", help="fit with PyTorch, which you have to install")
     options = parser.parse_args(arguments)
     shape = shape_of(options.source, options.object)
     sizes = options.width, options.layers, options.omega, options.steps, options.batch, options.seed
-    found = fit(shape, *sizes, say=print)
+    found = fit(shape, *sizes, say=print, with_torch=options.torch)
     found.save(options.out)
     print(f"{options.out}: Lipschitz constant {found.shape().lipschitz:.2f}")
 

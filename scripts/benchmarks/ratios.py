@@ -94,19 +94,25 @@ for _name, *_ in estimators.CASES:
 
 @functools.lru_cache(maxsize=64)
 def _evaluations(name: str) -> dict[str, float]:
-    """Evaluations of the field on a ray of a hard case, by each rule."""
+    """Evaluations of the field on a ray of a hard case, or of one of the simplest shapes of data, by each rule."""
     from sdf_lights.emitter.intersection.cover import RESOLUTION
+    from sdf_lights.sdf.data.simplest import simplest
+    from support import grids
     from support.lamps import oracle
     from support.lamps.hard_cases import HARD_CASES
     from support.lamps.rays import Traced
     from support.rivals import marching
 
-    case = HARD_CASES[name]
-    origins, toward = case.rays(case.shape, np.random.default_rng(5), RAYS)
-    traced = Traced(case.shape)
+    if name in OF_DATA:
+        shape = simplest()[OF_DATA.index(name)]
+        origins, toward = grids.rays_around(shape, RAYS, 5)
+    else:
+        shape = HARD_CASES[name].shape
+        origins, toward = HARD_CASES[name].rays(shape, np.random.default_rng(5), RAYS)
+    traced = Traced(shape)
     found = dict(ours=traced.trace(origins, toward)[:, 3].mean())
     for label, rule in (("published", marching.PUBLISHED), ("spheres", marching.SPHERES)):
-        found[label] = traced.march(rule, origins, toward, RESOLUTION, oracle.steepness(case.shape))[:, 2].mean()
+        found[label] = traced.march(rule, origins, toward, RESOLUTION, oracle.steepness(shape))[:, 2].mean()
     return found
 
 
@@ -120,9 +126,12 @@ SMOOTH = (
 )
 
 
-def evaluations_ratio(rule: str) -> float:
-    """Evaluations by another rule over ours, the geometric mean over smooth fields."""
-    return math.exp(statistics.fmean(math.log(found[rule] / found["ours"]) for found in map(_evaluations, SMOOTH)))
+OF_DATA = ("outline", "tube", "grid", "network")  # as ``simplest`` has them
+
+
+def evaluations_ratio(rule: str, names: tuple[str, ...] = SMOOTH) -> float:
+    """Evaluations by another rule over ours, the geometric mean over fields."""
+    return math.exp(statistics.fmean(math.log(found[rule] / found["ours"]) for found in map(_evaluations, names)))
 
 
 def evaluations_by_parts() -> float:
@@ -133,6 +142,7 @@ def evaluations_by_parts() -> float:
 RATIOS["evaluations_published"] = Ratio(functools.partial(evaluations_ratio, "published"))
 RATIOS["evaluations_spheres"] = Ratio(functools.partial(evaluations_ratio, "spheres"))
 RATIOS["evaluations_of_10_to_200_parts"] = Ratio(evaluations_by_parts)
+RATIOS |= {f"evaluations_{name}": Ratio(functools.partial(evaluations_ratio, "spheres", (name,))) for name in OF_DATA}
 
 
 # --- whole renders ----------------------------------------------------------------------------------------------------

@@ -57,6 +57,7 @@ class TableFunction(Function):
     glsl: str = ""
     needs: "tuple[TableFunction, ...]" = ()
     operations: float = 200.0  # that a point takes, as many as that of a formula: about 0.1 ns each
+    boxes: int = 1  # a tree may have as many times as many, if the tables are small: for bounds loose in large boxes
 
 
 def evaluate(function: Function, operands: Sequence[np.ndarray]) -> tuple[np.ndarray, ...]:

@@ -16,6 +16,7 @@ from .builtin_data import DATA
 from .catalogue import grouped
 from .declarations import LIMITS
 from .emission_presets import presets
+from .evaluation import Evaluation  # noqa: F401 (all words are in FUNCTIONS then)
 from .examples import Example, examples
 from .functions import COLOURS, CONSTANTS, DATA_WORDS, FUNCTIONS, GROUPS, MATHEMATICS, POINTS, Function, show
 from .shapes import SHAPES, Parameter
@@ -111,7 +112,7 @@ it has more names:
 - `height` is 0 at the bottom of the lamp and 1 at its top, along its own z axis.
 - `u` and `v` are the same along its x and y axis. So they are coordinates across its box, and in the plane of an extrusion.
 - `along` is 0 where the curve of a tube begins and 1 where it ends, by its length: of a curve object or of neon. It is that of the nearest tube of
-  a combination, and 0 in a lamp without tubes.
+  a combination, also where it is bent, repeated or displaced, and 0 in a lamp without tubes.
 
 Only ratios matter, as the power of the lamp sets its light. Without *Normalize*, the radiance per metre is multiplied. The lamp is
 dark where the last line is negative or undefined. The presets are such expressions:

@@ -3,6 +3,8 @@
 import math
 import pathlib
 import re
+import subprocess
+import sys
 import threading
 import time
 
@@ -586,7 +588,11 @@ def test_no_word_has_a_private_name_or_lacks_documentation():
 
 def test_the_reference_page_is_current():
     page = (REPOSITORY / "docs" / "expressions.md").read_text(encoding="utf-8")
-    assert page == reference_page(), "run python -m sdf_lights.sdf.reference > docs/expressions.md"
+    command = [sys.executable, "-m", "sdf_lights.sdf.reference"]
+    written = subprocess.run(
+        command, cwd=REPOSITORY, capture_output=True, text=True, encoding="utf-8", check=True
+    ).stdout
+    assert page == written, "run python -m sdf_lights.sdf.reference > docs/expressions.md"
 
 
 def test_the_examples_of_the_reference_page_work():

@@ -15,7 +15,7 @@ from sdf_lights.sdf.data.tube import Tube
 from sdf_lights.sdf.emission import Emission, EmissionExpression, in_colours
 from sdf_lights.sdf.expression import evaluate
 from sdf_lights.sdf.resolver import Arrays
-from sdf_lights.sdf.shapes import Box, Sphere, Transformed, Union
+from sdf_lights.sdf.shapes import SHAPES, Box, Sphere, Transformed, Union
 from support import glsl
 
 
@@ -56,6 +56,29 @@ def test_along_of_each_path_begins_anew_and_follows_transforms_and_combinations(
     ring = Tube.of([(np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]), 0.1, True)])
     np.testing.assert_allclose(_glow("along", ring, [[0.0, 0.5, 0.0]])[:, 0], [0.875], atol=1e-12)
     np.testing.assert_array_equal(_glow("along", Sphere(1.0), at)[:, 0], 0.0)
+
+
+LINE = Tube.of([(np.array([[0.0, 0.0, 0.0], [4.0, 0.0, 0.0]]), 0.2, False)])
+
+
+@pytest.mark.parametrize(
+    "shape, at, expected",
+    [
+        (SHAPES["onion"](LINE, 0.05), (1.0, 0.2, 0.0), 0.25),
+        (SHAPES["offset"](LINE, 0.1), (3.0, 0.25, 0.0), 0.75),
+        (SHAPES["wave_displacement"](LINE), (1.0, 0.1, 0.0), 0.25),
+        (SHAPES["mirror"](LINE), (-1.0, 0.0, 0.0), 0.25),
+        (SHAPES["twist"](LINE, 1.0), (1.0, 0.0, 0.0), 0.25),
+        (SHAPES["elongate"](LINE, (1.0, 0.0, 0.0)), (3.0, 0.0, 0.0), 0.5),
+        (SHAPES["morph"](Sphere(0.1), LINE, 0.5), (1.0, 0.0, 0.0), 0.25),
+        (SHAPES["repetition"](LINE, (1, 3, 1), (9.0, 1.0, 9.0)), (3.0, 1.05, 0.0), 0.75),
+        (SHAPES["repetition"](LINE, (0, 1, 1), (5.0, 1.0, 1.0)), (6.0, 0.0, 0.0), 0.25),
+        (SHAPES["polar_repetition"](LINE, 4), (0.05, -3.0, 0.0), 0.75),
+        (SHAPES["repetition"](Sphere(0.1), (3, 1, 1)), (1.0, 0.0, 0.0), 0.0),
+    ],
+)
+def test_operators_ask_along_where_they_ask_their_shape(shape, at, expected):
+    np.testing.assert_allclose(_glow("along", shape, [at])[0, 0], expected, atol=1e-9)
 
 
 def test_distances_of_a_tube_are_what_they_were():

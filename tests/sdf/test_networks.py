@@ -9,13 +9,15 @@ import zipfile
 import numpy as np
 import pytest
 
+from sdf_lights.emitter.intersection.fields import compile_terms
 from sdf_lights.emitter.tree import interior
 from sdf_lights.graph import codegen_glsl, codegen_native
 from sdf_lights.graph.functions import evaluate
 from sdf_lights.sdf.data.network import EXAMPLE, NETWORK, WIDTH, NetworkError, Siren, read
 from sdf_lights.sdf.shapes import SHAPES, Difference, Sphere
-from support import glsl
+from support import glsl, grids
 from support.lamps.crossings import wrong_crossings
+from support.lamps.rays import Traced
 
 BOX = np.array([[-1.0, -0.8, -1.2], [1.1, 0.9, 1.0]])
 
@@ -138,6 +140,18 @@ def test_the_example_has_a_bound_near_its_slope_and_is_certified(rabbit):
 
 def test_rays_find_all_crossings_of_a_network(rabbit):
     assert wrong_crossings(rabbit, 300) == 0.0
+
+
+def test_a_ray_asks_a_network_for_few_points(rabbit):
+    """The kinds benchmark measures the time, which depends on the machine."""
+    evaluations = Traced(rabbit).trace(*grids.rays_around(rabbit, 2000, 6))[:, 3]
+    assert evaluations.mean() < 9.0
+
+
+@pytest.mark.parametrize("width, boxes", [(48, 8), (128, 1)])
+def test_trees_of_large_networks_have_no_more_boxes(width, boxes):
+    shape = _siren(width, 2, 5.0).shape()
+    assert compile_terms(shape.terms(np.eye(4), 1.0)).boxes == boxes
 
 
 @pytest.mark.slow

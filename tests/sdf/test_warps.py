@@ -43,7 +43,7 @@ def around(shape, count, beyond=0.3, seed=1):
 
 def unwarped(shape, at):
     slots = Slots()
-    return np.stack([numpy_evaluation.evaluate(q, at, slots.values) for q in shape._unwarped(POINT, slots)], axis=-1)
+    return np.stack([numpy_evaluation.evaluate(q, at, slots.values) for q in shape._asked(POINT, slots)], axis=-1)
 
 
 def greatest_slope(shape, pairs=40_000):

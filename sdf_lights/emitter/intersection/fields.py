@@ -39,6 +39,8 @@ NEGATED = -1  # in a list: the value on top of the stack changes its sign
 
 TABLES = {"lamp_terms": TERM, "lamp_parameters": np.dtype(np.float64), "lamp_lists": LIST}
 
+SMALL_TABLE = 1 << 12  # numbers: a tree of so many, with all its ``boxes``, takes a second or two
+
 LIBRARY = frozenset({"sin", "cos", "tan", "asin", "acos", "atan", "exp", "log", "power", "atan2"})  # one call per lane
 
 DEEPEST = 62  # values that an evaluation may hold at a time
@@ -62,6 +64,7 @@ class CompiledField:
     operations: np.ndarray  # of each term, per point
     costs: np.ndarray  # rough time of each term for LANES points: the same on every machine
     depth: int  # greatest number of values that an evaluation of all terms holds at a time
+    boxes: int  # how many times as many boxes a tree may have (``TableFunction.boxes``)
     code: tuple
 
     def all_terms(self) -> np.ndarray:
@@ -117,6 +120,15 @@ def _cares(terms: list[Term]) -> np.ndarray:
     return cares
 
 
+def _boxes(nodes: list[Formula], parameters: np.ndarray) -> int:
+    """``CompiledField.boxes`` of one term, a power of two: fewer for large tables, whose bounds take long."""
+    boxes = max((getattr(node.value, "boxes", 1) for node in nodes if node.kind == CALL), default=1)
+    if boxes > 1:
+        size = sum(len(table.array) for table in tables_of(nodes[-1], parameters))
+        boxes = max(boxes * SMALL_TABLE // max(size, SMALL_TABLE), 1)
+    return 1 << boxes.bit_length() - 1
+
+
 def compile_terms(terms: list[Term]) -> CompiledField:
     """Compile all formulas that are not compiled yet; terms of the same formula share their code."""
     rows = np.zeros(len(terms), TERM)
@@ -141,6 +153,7 @@ def compile_terms(terms: list[Term]) -> CompiledField:
         operations=np.array([_work(nodes, numbers, 1.0) for nodes, numbers in graphs]),
         costs=np.array([10.0 + 0.7 * _work(nodes, numbers, 50.0) for nodes, numbers in graphs]),
         depth=depth,
+        boxes=max((_boxes(nodes, numbers) for nodes, numbers in graphs), default=1),
         code=tuple(dict.fromkeys(code)),
     )
 

@@ -227,6 +227,8 @@ def tree(shape: Shape) -> Tree:
         raise TreeError("its shape has too many nested parts: nest fewer.")
     size = len(program) or len(field.terms)
     limit = 1 << max(MOST_NODES, NODES_A_PART * size).bit_length() - 1
+    if field is not None:
+        limit *= field.boxes
     if size == 1 and field is not None:
         limit = min(limit, max(FEWEST_NODES, 1 << int(FIELD_WORK / field.operations[0]).bit_length() - 1))
     nodes = np.zeros(limit, NODE)

@@ -31,7 +31,7 @@ from .enclosures import BOXES, DEEPEST_LOOP, SIZE, enclose
 from .interval_kernels import ROUNDING, product_bounds
 from .parallel import TASKS, in_parallel
 
-WORK = 2_500_000  # operations on boxes, about 40 ms; below that, boxes have no bounds of their own
+WORK = 2_500_000  # operations on boxes, about 40 ms, times ``boxes`` of the field; below that, boxes have no bounds of their own
 OVERHEAD = 10.0  # fixed cost of a box, in operations
 TAPES = 1024  # formulas in the cache
 CASES = 4  # parts that a box may be divided into, to find where it jumps
@@ -227,14 +227,14 @@ def bounds_of(
     return out, values
 
 
-def _selected(nodes: np.ndarray, boundary: np.ndarray, work: np.ndarray) -> np.ndarray:
-    """Nodes of the deepest level whose work stays within ``WORK``, and leaves above it; all on the boundary."""
+def _selected(nodes: np.ndarray, boundary: np.ndarray, work: np.ndarray, most: float) -> np.ndarray:
+    """Nodes of the deepest level whose work stays within ``most``, and leaves above it; all on the boundary."""
     level = np.zeros(1, np.int64)
     while True:
         leaf = nodes["first"][level] < 0
         below = (nodes["first"][level[~leaf]][:, None] + (0, 1)).ravel()
         below = np.concatenate([level[leaf], below[boundary[below]]])
-        if leaf.all() or work[below].sum() > WORK:
+        if leaf.all() or work[below].sum() > most:
             return level
         level = below
 
@@ -292,7 +292,7 @@ def fill_gradients(
     nodes["gradient"] = [[-np.inf], [np.inf]]
     total = np.append(0.0, np.cumsum(np.append(field.operations, 0.0)[lists]))  # NEGATED is the last
     work = OVERHEAD + total[nodes["row_first"] + nodes["row_count"]] - total[nodes["row_first"]]
-    chosen = _selected(nodes, boundary, work)
+    chosen = _selected(nodes, boundary, work, WORK * field.boxes)
     rows = nodes[chosen]
     torn_boxes = _torn(field, boxes[chosen], lists, rows["row_first"], rows["row_count"])
 

@@ -321,6 +321,7 @@ NETWORK = TableFunction(
     derivatives=Function("network_slope", network_slope, results=3),
     glsl=_GLSL,
     operations=200.0,
+    boxes=8,
 )
 
 

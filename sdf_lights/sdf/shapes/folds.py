@@ -141,7 +141,7 @@ class Mirror(Fold):
     def _elements(self):
         return np.array([np.eye(3), _reflection(self._unit)])
 
-    def _folded(self, p, slot):
+    def _asked(self, p, slot):
         normal = slot(self._unit)
         across = p.dot(normal)
         # A hyperbola instead of the absolute value: its slope is at most 1, too.
@@ -197,7 +197,7 @@ class Kaleidoscope(Fold):
         turned = np.moveaxis(np.array(rows), -1, 0)
         return np.concatenate([turned, turned @ np.diag([1.0, -1.0, 1.0])])
 
-    def _folded(self, p, slot):
+    def _asked(self, p, slot):
         pair = slot(2.0 * self._angle)
         turn = pair * apply("floor", apply("atan2", p.y, p.x) / pair + 0.5)
         c, s = cos(turn), sin(turn)
@@ -222,7 +222,7 @@ class Coxeter(Fold, abstract=True):
     def _elements(self):
         return _group(self.mirrors)
 
-    def _folded(self, p, slot):
+    def _asked(self, p, slot):
         for normal in self.rounds * self.mirrors:
             p = _reflected(p, normal)
         return p

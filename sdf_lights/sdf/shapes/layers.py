@@ -130,7 +130,7 @@ class Elongate(Folded):
         (0.0, 0.0, 0.5), "Half of the length added along x, y and z", minimum=0.0
     )
 
-    def _folded(self, p, slot):
+    def _asked(self, p, slot):
         half = slot(self.half_length)
         return Vector(*(q - clamp(q, -h, h) for q, h in zip(p, half)))
 

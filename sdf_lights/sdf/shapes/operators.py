@@ -113,6 +113,18 @@ class Composite(Shape, abstract=True):
     def growth(self, matrix: np.ndarray | None = None) -> np.ndarray:
         return np.max([child.growth(matrix) for child in self.children], axis=0)
 
+    def along(self, p: Vector, slot: Slots) -> Formula | None:
+        """That of the nearest of the shapes that have one."""
+        known = [(child.build(p, slot), child.along(p, slot)) for child in self.children]
+        known = [(distance, along) for distance, along in known if along is not None]
+        if not known:
+            return None
+        nearest, found = known[0]
+        for distance, along in known[1:]:
+            found = select(distance < nearest, along, found)
+            nearest = minimum(nearest, distance)
+        return found
+
 
 class SetOperation(Composite, abstract=True):
     """A combination of one or more shapes, given as arguments or, as with ``min``, as one sequence; then the numbers.
@@ -204,18 +216,6 @@ class SetOperation(Composite, abstract=True):
 
     def volume(self) -> float | None:
         return self.children[0].volume() if len(self.children) == 1 else None
-
-    def along(self, p: Vector, slot: Slots) -> Formula | None:
-        """That of the nearest of the shapes that have one."""
-        known = [(child.build(p, slot), child.along(p, slot)) for child in self.children]
-        known = [(distance, along) for distance, along in known if along is not None]
-        if not known:
-            return None
-        nearest, found = known[0]
-        for distance, along in known[1:]:
-            found = select(distance < nearest, along, found)
-            nearest = minimum(nearest, distance)
-        return found
 
     def relation(self) -> str:
         return "" if self.children else f"{self.label()}: it has no shapes to combine: give it at least one."
@@ -328,6 +328,13 @@ class Operator(Composite, abstract=True):
     def depth(self) -> int:
         return 1 + self.child.depth
 
+    def _asked(self, p: Vector, slot: Slots) -> Vector:
+        """The point at which the child is evaluated for p."""
+        return p
+
+    def along(self, p: Vector, slot: Slots) -> Formula | None:
+        return self.child.along(self._asked(p, slot), slot)
+
 
 class Folded(Operator, abstract=True):
     """The child's field at another point, by a map that never increases the distance of two points."""
@@ -337,17 +344,16 @@ class Folded(Operator, abstract=True):
         # Even for an exact child: the surface may be nearer than the part of it that the map leads to.
         return BOUND if self.child.exactness == EXACT else self.child.exactness
 
-    def _folded(self, p: Vector, slot: Slots) -> Vector:
-        """The point at which the child is evaluated."""
+    def _asked(self, p: Vector, slot: Slots) -> Vector:
         raise NotImplementedError
 
     def build(self, p, slot):
-        return self.child.build(self._folded(p, slot), slot)
+        return self.child.build(self._asked(p, slot), slot)
 
     def terms(self, matrix, factor):
         """The terms of the child at the other point."""
         slots = Slots()
-        point = self._folded(undone(matrix, POINT, slots), slots)
+        point = self._asked(undone(matrix, POINT, slots), slots)
         first = len(slots.values)
         terms = []
         for term in self.child.terms(np.eye(4), factor):
@@ -415,10 +421,10 @@ class Transformed(Operator, abstract=True):
         return self.child.exact_outside and self._similar
 
     def build(self, p: Vector, slot: Slots) -> Formula:
-        return self.child.build(undone(self._array, p, slot), slot) * slot(float(self._singular_values[-1]))
+        return self.child.build(self._asked(p, slot), slot) * slot(float(self._singular_values[-1]))
 
-    def along(self, p: Vector, slot: Slots) -> Formula | None:
-        return self.child.along(undone(self._array, p, slot), slot)
+    def _asked(self, p, slot):
+        return undone(self._array, p, slot)
 
     def terms(self, matrix: np.ndarray, factor: float) -> list[Term]:
         return self.child.terms(matrix @ self._array, factor * float(self._singular_values[-1]))

@@ -22,10 +22,10 @@ from functools import cached_property
 
 import numpy as np
 
-from ...graph.formula import Formula, Vector, apply, clamp, cos, maximum, minimum, sin
+from ...graph.formula import Formula, Vector, apply, clamp, cos, maximum, minimum, select, sin
 from ...graph.loops import iterate
 from ..program import NoClosedForm
-from .base import EXACT, LARGEST, Shape, number, part
+from .base import EXACT, LARGEST, Shape, Slots, number, part
 from .operators import Guarded, Operator, Transformed, Union, images, images_growth, images_program
 from .primitives import Box
 
@@ -50,8 +50,35 @@ def _least(rounds: Formula, start: tuple, field: Callable, step: Callable) -> Fo
     return iterate(rounds, (1e30, *start), body, _MOST_CANDIDATES)[0]
 
 
+def _of_least(rounds: Formula, start: tuple, field: Callable, value: Callable, step: Callable) -> Formula:
+    """``value(*state)`` where ``field(*state)`` is the least, as in ``_least``."""
+
+    def body(least, found, *state):
+        distance = field(*state)
+        is_nearer = distance < least
+        return (minimum(least, distance), select(is_nearer, value(*state), found), *step(*state)), None
+
+    return iterate(rounds, (1e30, 0.0, *start), body, _MOST_CANDIDATES)[1]
+
+
 class Repeated(Operator, abstract=True):
     """A union of copies of the child."""
+
+    def _copies(self, p: Vector, slot: Slots) -> tuple[Formula, tuple, Callable, Callable]:
+        """For ``_least``: how many copies may be the nearest to p, the first state, p in the copy of a state, the next state."""
+        raise NotImplementedError
+
+    def along(self, p, slot):
+        if self.child.along(p, Slots()) is None:
+            return None
+        rounds, start, asked, step = self._copies(p, slot)
+        return _of_least(
+            rounds,
+            start,
+            lambda *state: self.child.build(asked(*state), slot),
+            lambda *state: self.child.along(asked(*state), slot),
+            step,
+        )
 
     def _places(self) -> np.ndarray:
         """Matrices (n, 4, 4) that map the child to its copies."""
@@ -155,7 +182,7 @@ class Repetition(Repeated):
         """Half of the distance from the first copy to the last."""
         return np.where(np.equal(self.count, 0.0), _ENDLESS, np.subtract(self.count, 1.0) / 2.0) * self.spacing
 
-    def build(self, p, slot):
+    def _copies(self, p, slot):
         candidates = self._candidates
         everything = candidates == self.count
         edge = np.where(everything, 0.0, self.child.bounds()[1])
@@ -174,15 +201,20 @@ class Repetition(Repeated):
             )
         )
 
-        def field(index: Formula) -> Formula:
+        def asked(index: Formula) -> Vector:
             row = _floor((index + 0.5) / counts.x)  # integers, even after an inexact division
             layer = _floor((row + 0.5) / counts.y)
-            along = Vector(index - row * counts.x, row - layer * counts.y, layer)
-            return self._part.build(q - along * spacing, slot)
+            place = Vector(index - row * counts.x, row - layer * counts.y, layer)
+            return q - place * spacing
 
-        least = _least(slot(float(candidates.prod())), (0.0,), field, lambda index: (index + 1.0,))
+        return slot(float(candidates.prod())), (0.0,), asked, lambda index: (index + 1.0,)
+
+    def build(self, p, slot):
+        rounds, start, asked, step = self._copies(p, slot)
+        least = _least(rounds, start, lambda index: self._part.build(asked(index), slot), step)
         if not self._held:
             return least
+        everything = self._candidates == self.count
         held = 0.5 * min((s for s, whole in zip(self.spacing, everything) if not whole), default=LARGEST)
         low, high = self._part.bounds()
         middle = slot(tuple(((low + high) / 2.0).tolist()))
@@ -268,18 +300,22 @@ class PolarRepetition(Repeated):
             return self.count
         return min(self.count, math.ceil(2.0 * half / self._angle) + 1.0)
 
-    def build(self, p, slot):
+    def _copies(self, p, slot):
         middle, half = self._sector
         angle = slot(self._angle)
         first = angle * _floor((apply("atan2", p.y, p.x) - slot(middle + half)) / angle + 0.5)
         start = _turned(p.x, p.y, cos(first), sin(first))
         c, s = slot(math.cos(self._angle)), slot(math.sin(self._angle))
-        return _least(
+        return (
             slot(self._candidates),
             start,
-            lambda x, y: self.child.build(Vector(x, y, p.z), slot),
+            lambda x, y: Vector(x, y, p.z),
             lambda x, y: _turned(x, y, c, s),
         )
+
+    def build(self, p, slot):
+        rounds, start, asked, step = self._copies(p, slot)
+        return _least(rounds, start, lambda x, y: self.child.build(asked(x, y), slot), step)
 
     def _places(self):
         angles = self._angle * np.arange(self.count)

@@ -31,7 +31,7 @@ _THINNEST = 0.01  # least scale of a taper
 
 
 class Warp(Operator, abstract=True):
-    """The child's field at ``_unwarped(p)``, clamped and divided as the module describes."""
+    """The child's field at ``_asked(p)``, clamped and divided as the module describes."""
 
     @cached_property
     def _guarded(self) -> Shape:
@@ -47,7 +47,7 @@ class Warp(Operator, abstract=True):
         low, high = self._box
         return _MARGIN * float((high - low).max())
 
-    def _unwarped(self, p: Vector, slot: Slots) -> Vector:
+    def _asked(self, p: Vector, slot: Slots) -> Vector:
         raise NotImplementedError
 
     def _stretch(self) -> float:
@@ -70,7 +70,7 @@ class Warp(Operator, abstract=True):
         return self._guarded.lipschitz
 
     def build(self, p, slot):
-        field = self._guarded.build(self._unwarped(p, slot), slot)
+        field = self._guarded.build(self._asked(p, slot), slot)
         stretch = max(self._stretch(), 1.0)
         return maximum(minimum(field, slot(self._margin)) * slot(1.0 / stretch), self._around.build(p, slot))
 
@@ -111,7 +111,7 @@ class Twist(Warp):
         soft_maximum=math.tau,
     )
 
-    def _unwarped(self, p, slot):
+    def _asked(self, p, slot):
         turn = p.z * slot(self.angle)
         c, s = cos(turn), sin(turn)
         return Vector(c * p.x + s * p.y, c * p.y - s * p.x, p.z)
@@ -151,7 +151,7 @@ class Bend(Warp):
     def _margin(self):
         return min(super()._margin, 0.25 * self._gap)
 
-    def _unwarped(self, p, slot):
+    def _asked(self, p, slot):
         radius = slot(self.radius)
         up = radius - p.z
         # Their difference is radius − length(x, radius − z), without the digits lost for large radii.
@@ -196,7 +196,7 @@ class Taper(Warp):
     bottom: float = number(1.0, "Scale at the lower end", unit="NONE", minimum=_THINNEST, maximum=1e3, soft_maximum=2.0)
     top: float = number(0.5, "Scale at the upper end", unit="NONE", minimum=_THINNEST, maximum=1e3, soft_maximum=2.0)
 
-    def _unwarped(self, p, slot):
+    def _asked(self, p, slot):
         low, high = self._box
         share = clamp((p.z - slot(float(low[2]))) * slot(1.0 / self._height), 0.0, 1.0)
         scale = slot(self.bottom) + slot(self.top - self.bottom) * share
