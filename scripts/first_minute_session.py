@@ -99,6 +99,6 @@ def steps():
 
 if bpy.app.background:
     install()
-    part("render.cpu.ahead").main(["lamps", "paths"])
+    part("render.cpu.precompile").main(["lamps", "paths"])
 else:
     run(steps())

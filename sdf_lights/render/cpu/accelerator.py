@@ -14,8 +14,8 @@ import ctypes
 import numpy as np
 
 from ..errors import RenderError
-from ..kernels.departure import SHAPE, filter_address
 from ..kernels.lights import shadow_bits
+from ..kernels.ray_origins import SHAPE, filter_address
 from ..kernels.rays import NONE, masks_of, world_positions
 from ..libraries import load_embree
 from ..scene import Mesh, Primitive, Scene

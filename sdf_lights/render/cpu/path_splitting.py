@@ -21,10 +21,10 @@ from ..kernels.integrator import (
     start_path,
     trace_path,
 )
-from ..kernels.light_paths import apart as light_paths
+from ..kernels.light_paths import dispatch as light_paths
 from ..kernels.media.records import inside_table
 from ..kernels.motion import set_time
-from ..kernels.outputs import apart as outputs
+from ..kernels.outputs import dispatch as outputs
 from ..kernels.outputs.records import CATCHERS
 from ..kernels.outputs.state import keep_first_scattering, use_first_scattering
 from ..kernels.path import (

@@ -15,7 +15,8 @@ from ..kernels.geometry import instance_table
 from ..kernels.lights import triangle
 from ..kernels.lights.kinds import TRIANGLE
 from ..kernels.lights.records import emitter_table
-from ..kernels.outputs import apart, parts
+from ..kernels.outputs import code_table, dispatch
+from ..kernels.outputs.pack import pack_outputs
 from ..kernels.outputs.records import CATCHERS, LIGHT
 from ..scene import Scene
 from .bvh import CATCHER
@@ -27,7 +28,10 @@ CHANGING = {
     "world_medium": Value(INT, "(bare ? -1 : scene.world_medium)"),
 }
 
-CODE = {place: parts.KERNELS[place][1] for place in (apart.CLEAR, apart.LIGHT, apart.CATCH, apart.RELEASE, apart.BARE)}
+CODE = {
+    place: code_table.KERNELS[place][1]
+    for place in (dispatch.CLEAR, dispatch.LIGHT, dispatch.CATCH, dispatch.RELEASE, dispatch.BARE)
+}
 
 
 @kernel
@@ -47,8 +51,8 @@ def reaches(block, emitter, bounces):
 
 
 def pack(scene: Scene, film: Film, emitters: list, instances: np.ndarray) -> tuple[dict, dict]:
-    """Tables and scalars needed only by catchers, as in ``outputs.parts.pack``."""
-    tables, scalars = parts.pack(scene, film, emitters, instances)
+    """Tables and scalars needed only by catchers, as in ``outputs.pack.pack_outputs``."""
+    tables, scalars = pack_outputs(scene, film, emitters, instances)
     named = ("light_places", "data_places", "emitter_groups", "instance_groups", "emitter_passes")
     return {name: tables[name] for name in named}, {**scalars, "outputs": LIGHT | CATCHERS}
 

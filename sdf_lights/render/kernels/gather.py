@@ -15,7 +15,7 @@ from . import lights
 from .emission_graphs import modulated
 from .geometry import surface_table
 from .lamp_tree import found_table, lamps_along
-from .media import apart as media
+from .media import dispatch as media
 from .media.beams import attenuation
 from .media.records import inside_table
 from .next_event import competes, facing, lamp_density, renew_lamp, rival_density

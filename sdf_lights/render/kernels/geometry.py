@@ -29,11 +29,11 @@ from ...vec import (
 from ..material import Attribute
 from ..scene import AttributeValues, Domain, Instance, Mesh, Primitive, Ray, Scene
 from ..strands import radii_of, strand_of, world_scale
-from .departure import exact_origin, number_of
+from .ray_origins import exact_origin, number_of
 from .rays import hit_instance, hit_normal, ray_table, world_positions
 from .shading.material_compiler import MATERIAL
 from .shading.records import NEEDS_DERIVATIVES, NEEDS_OBJECT_NORMAL, NEEDS_RADIAL, NEEDS_SHADOW_POINT, SURFACE
-from .strands import apart as strands
+from .strands import dispatch as strands
 
 # All indices are rows of the tables below; −1: the mesh has no such data. ``attributes`` is the first of as many rows
 # as materials look up attributes.

@@ -16,14 +16,13 @@ from ...jit import kernel
 from ...vec import average, dot, largest, mul, negate, put, put_sum, scale, sub, vec
 from . import lights
 from .camera import camera_ray, filter_offset, view_depth
-from .departure import clear_self_primitive, offset_ray_origin, spawn_ray
 from .gather import gather_lamps, gather_lights, gather_surface, gather_world, last_lamp_exit
 from .geometry import find_surface, instance_table, shading_material_table, surface_table
-from .light_paths import apart as light_paths
-from .media import apart as media
+from .light_paths import dispatch as light_paths
+from .media import dispatch as media
 from .media.records import inside_table
 from .next_event import light_vertex
-from .outputs import apart as outputs
+from .outputs import dispatch as outputs
 from .outputs.records import CATCHERS, DATA, LOBES
 from .path import (
     AT_EXIT,
@@ -38,6 +37,7 @@ from .path import (
     sample_table,
     uncover,
 )
+from .ray_origins import clear_self_primitive, offset_ray_origin, spawn_ray
 from .rays import beyond, intersect, ray_table, start_anew
 from .samplers import get_1d, get_2d, get_3d
 from .shading import sample as sample_surface
@@ -54,7 +54,7 @@ from .shading.records import (
     TRANSMISSION,
     TRANSPARENT,
 )
-from .subsurface import apart as subsurface
+from .subsurface import dispatch as subsurface
 from .visibility import BLACK
 from .workspace import cut_of
 
@@ -291,7 +291,7 @@ def intersect_and_gather(block, workspace):
         sample = sample_table(workspace)[0]
         sample.met += ESCAPE * sample.divided
         if block.outputs & DATA and path.kind == CAMERA:
-            outputs.leave(block, workspace)
+            outputs.add_miss(block, workspace)
         gather_world(block, workspace)
         return False
     path.length = t_to

@@ -19,8 +19,8 @@ from ...vec import dot, largest, length, mul, negate, scale, vec
 from . import lights
 from .emission_graphs import modulated
 from .geometry import surface_at, surface_table
-from .media import apart as media
-from .outputs import apart as outputs
+from .media import dispatch as media
+from .outputs import dispatch as outputs
 from .outputs.records import LOBES
 from .outputs.state import LIGHT_RAY
 from .path import LIGHT_SET, contribute, path_table, sample_table

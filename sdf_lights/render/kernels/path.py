@@ -9,7 +9,7 @@ from ...vec import ZERO, average, mul, put, put_sum, scale, vec
 from ..scene import Ray
 from ..settings import MOST_BRANCHES
 from . import lights
-from .outputs import apart as outputs
+from .outputs import dispatch as outputs
 from .outputs.records import LIGHT
 
 CAMERA = int(Ray.CAMERA)  # the kind of a path until it scatters

@@ -13,9 +13,9 @@ import numpy as np
 from ...jit import kernel
 from ...vec import ZERO, add, dot, frame, length, madd, negate, normalize, scale, sub, vec
 from ..scene import Ray
-from .departure import clear_self_primitive, spawn_ray
 from .geometry import _fill_surface, surface_table
 from .path import path_table
+from .ray_origins import clear_self_primitive, spawn_ray
 from .rays import SHADOW_OPAQUE, SHADOW_TRANSPARENT, beyond, hit_instance, intersect, occluded, ray_table
 from .samplers import get_2d
 from .workspace import secondary_table

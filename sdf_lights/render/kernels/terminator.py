@@ -11,8 +11,8 @@ from __future__ import annotations
 
 from ...jit import kernel
 from ...vec import add, dot, madd, scale, sub, vec
-from .departure import clear_self_primitive, spawn_ray
 from .geometry import corner_position, instance_at, surface_table, world_corner_normal
+from .ray_origins import clear_self_primitive, spawn_ray
 from .rays import ray_table
 
 

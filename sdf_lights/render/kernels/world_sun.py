@@ -54,7 +54,7 @@ class Disc:
         points = cosine[:, None, None] * self.direction + np.sqrt(1.0 - cosine**2)[:, None, None] * around
         return points.reshape(-1, 3)
 
-    def apart(self, values: np.ndarray, radiance: float) -> WorldMap:
+    def separate(self, values: np.ndarray, radiance: float) -> WorldMap:
         """The map without the disc, whose mean brightness is ``radiance``.
 
         Cells whose middle lies in the disc get the values around it.

@@ -22,9 +22,9 @@ import numpy as np
 from ....jit import kernel
 from ....vec import average, dot, length, madd, mul, negate, normalize, put, scale, sub, transform_normal, vec
 from .. import lights
-from ..departure import spawn_ray
 from ..geometry import hit_material, instance_at, surface_at
 from ..path import contribute, path_table
+from ..ray_origins import spawn_ray
 from ..rays import hit_instance, hit_normal, ray_table
 from ..samplers import get_1d, get_2d
 from ..shading import evaluate, shade

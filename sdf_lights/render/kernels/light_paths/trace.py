@@ -21,8 +21,8 @@ from ....emitter.sampling.cut_points import uniform_intensity
 from ....jit import kernel
 from ....vec import ZERO, add, average, dot, largest, length, madd, mul, negate, put, scale, sub, vec
 from ..camera import camera_ray
-from ..departure import clear_self_primitive, offset_ray_origin, spawn_ray
 from ..geometry import find_surface, instance_table, surface_at, surface_table
+from ..ray_origins import clear_self_primitive, offset_ray_origin, spawn_ray
 from ..rays import SHADOW_OPAQUE, beyond, hit_instance, intersect, occluded, ray_table, start_anew
 from ..samplers import get_2d, get_3d, get_4d, pixel_seed
 from ..shading import evaluate, sample, shade

@@ -9,9 +9,9 @@ import numpy as np
 from ....jit import kernel
 from ....vec import largest, madd, mul, put, scale, vec
 from ...scene import Ray
-from ..departure import clear_self_primitive
 from ..outputs.state import scattered_in_medium
 from ..path import KEPT_RAY, MEDIA_SETS, NO_EMITTER, PHASE_SET, TRAVEL_SET, contribute, path_table
+from ..ray_origins import clear_self_primitive
 from ..rays import ray_table
 from ..samplers import get_2d, get_3d
 from .beams import attenuation, channel_probabilities, distance_density, distance_in, gathered_rgb

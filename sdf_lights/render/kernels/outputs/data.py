@@ -10,10 +10,10 @@ from ....jit import kernel, table
 from ....vec import ZERO, add, average, dot, frame, length, madd, mul, normalize, scale, sub, to_world, vec
 from ...nodes.lookups import attribute_here
 from ..camera import ORTHOGRAPHIC, camera_table, view_depth
-from ..departure import spawn_ray
 from ..geometry import NO_DOMAIN, attribute_table, instance_table, shading_material_table
 from ..next_event import look
 from ..path import OCCLUSION_SETS, path_table, sample_table
+from ..ray_origins import spawn_ray
 from ..rays import SHADOW_OPAQUE
 from ..samplers import get_2d
 from ..shading import energy, fresnel, microfacet
@@ -35,7 +35,7 @@ from ..shading.records import (
     surface_table,
 )
 from ..visibility import transmittance
-from . import apart
+from . import dispatch
 from .light import is_diffuse
 from .records import (
     DATA_NAMES,
@@ -222,7 +222,7 @@ def add_surface(block, workspace, first):
     _number(block, sums, _MATERIAL_INDEX, shading_material_table(block)[surface.material].index)
     _add_aovs(block, workspace, surface, sums)
     if first and block.outputs & VECTORS:
-        apart.add_vector(block, workspace)
+        dispatch.add_vector(block, workspace)
     place = _place(block, _UV)
     if first and place >= 0:
         attributes = instance_table(block)[surface.instance].attributes
@@ -233,7 +233,7 @@ def add_surface(block, workspace, first):
 
 
 @kernel
-def leave_scene(block, workspace, unused):
+def add_miss(block, workspace, unused):
     """Drop the numbers of surfaces that are more transparent than solid, because nothing is behind them. The background
     moves as the camera turns."""
     if not sample_table(workspace)[0].found:
@@ -241,5 +241,5 @@ def leave_scene(block, workspace, unused):
         _number(block, sums, _OBJECT_INDEX, 0)
         _number(block, sums, _MATERIAL_INDEX, 0)
         if block.outputs & VECTORS and block.background_moves:
-            apart.add_background_vector(block, workspace)
+            dispatch.add_background_vector(block, workspace)
     return 0.0

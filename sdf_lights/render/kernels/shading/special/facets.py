@@ -381,7 +381,7 @@ def smooth_albedo(block, closure, cosine):
 
 @kernel
 def refine(block, workspace, lobe, index, roughness):
-    """For microfacets of Principled: see ``apart.refine``."""
+    """For microfacets of Principled: see ``dispatch.refine``."""
     args = lobe_table(block)[int(lobe)].args
     closure, surface = closure_table(workspace)[int(index)], surface_table(workspace)[0]
     anisotropy = 0.0 if closure.transmits else saturate(number(block, workspace, args[ANISOTROPIC]))
