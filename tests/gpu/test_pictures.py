@@ -20,8 +20,9 @@ from sdf_lights.render.film import NO_DEPTH, Film
 from sdf_lights.render.material import Node
 from sdf_lights.render.scene import Primitive, World
 from sdf_lights.render.settings import LampPaths, LampSampling, Settings
-from support import media_scenes, scenes, strand_scenes
+from support import scenes
 from support.blocks import means
+from support.scenes import media, strands
 from tests.gpu.support import device_or_skip
 from tests.render.test_agreement import PASSES
 
@@ -30,7 +31,7 @@ pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installe
 SEEDS, SAMPLES, CONFIDENCE = 6, 8, 0.9999
 # Scenes that are not compared with the others: some have tests of their own, some have what the GPU leaves out.
 APART = ("torus_room", "subsurface", "fog_lamp", "fur", "moving", "rolling")
-SCENES = scenes.SCENES | media_scenes.MEDIA_SCENES | strand_scenes.STRAND_SCENES
+SCENES = scenes.SCENES | media.MEDIA_SCENES | strands.STRAND_SCENES
 
 
 def sample_as_on_the_gpu(settings: Settings) -> None:
@@ -186,7 +187,7 @@ def test_hair_and_points():
 
 @pytest.mark.parametrize("kind", tuple(Primitive)[1:], ids=lambda kind: kind.name.lower())
 def test_rays_meet_each_kind_of_hair_where_embree_does(kind):
-    compare_samples(lambda: strand_scenes.fur(24, 18, (kind,)), ("Position",), 0.001)
+    compare_samples(lambda: strands.fur(24, 18, (kind,)), ("Position",), 0.001)
 
 
 def test_lamp_in_fog():
