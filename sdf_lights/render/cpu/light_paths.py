@@ -15,7 +15,7 @@ from ..kernels.light_paths import tree
 from ..kernels.light_paths.records import CONNECTS, MOST_TOPS, NODE, ONLY_DIFFUSE, VERTEX
 from ..kernels.light_paths.trace import dim_unseen, find_pilots, trace_light_paths
 from ..kernels.outputs.records import LOBES
-from ..kernels.shading.material_compiler import LOBE_ALPHA, LOBE_DIFFUSE, LOBE_TRANSLUCENT
+from ..kernels.shading.material_records import LOBE_ALPHA, LOBE_DIFFUSE, LOBE_TRANSLUCENT
 from ..kernels.shading.records import GLOSSY, HAS_EMISSION, TRANSMISSION
 from ..kernels.shading.special_lobes import LOBE_SHEEN, LOBE_VELVET, WITH_FACETS, WITH_THIN_WALL
 from ..scene import ALL_SETS, MANY_BOUNCES, Ray, Scene, catches_shadows

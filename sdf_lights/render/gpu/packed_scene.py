@@ -21,7 +21,7 @@ from ..kernels.media import code_table as media_code
 from ..kernels.media import pack as media
 from ..kernels.outputs import dispatch as outputs
 from ..kernels.packing import build_lamps, emissive_triangles, emitter_tables, instance_boxes, integrator_scalars
-from ..kernels.shading.material_compiler import LOBE_PRINCIPLED
+from ..kernels.shading.material_records import LOBE_PRINCIPLED
 from ..kernels.shading.operands import run
 from ..kernels.shading.records import HAS_SUBSURFACE, HAS_TRANSPARENCY
 from ..kernels.shading.special_lobes import LOBE_SUBSURFACE, WITH_SUBSURFACE, WITH_THIN_SCATTERING

@@ -12,7 +12,7 @@ from ...jit import address_of_record, call_surface_code, fill_table, kernel, tab
 from ...vec import madd, mul, negate, put
 from . import camera, lights, textures
 from .shading.graphs import Graphs
-from .shading.material_compiler import EMISSION, NO_GRAPH
+from .shading.material_records import EMISSION, NO_GRAPH
 from .shading.operands import run
 from .shading.records import REGISTERS, SURFACE, surface_table
 from .workspace import WORKSPACE, secondary_table

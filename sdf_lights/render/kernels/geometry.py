@@ -31,7 +31,7 @@ from ..scene import AttributeValues, Domain, Instance, Mesh, Primitive, Ray, Sce
 from ..strands import radii_of, strand_of, world_scale
 from .ray_origins import exact_origin, number_of
 from .rays import hit_instance, hit_normal, ray_table, world_positions
-from .shading.material_compiler import MATERIAL
+from .shading.material_records import MATERIAL
 from .shading.records import NEEDS_DERIVATIVES, NEEDS_OBJECT_NORMAL, NEEDS_RADIAL, NEEDS_SHADOW_POINT, SURFACE
 from .strands import dispatch as strands
 

@@ -9,6 +9,7 @@ import numpy as np
 from ...graph.formula import Vector
 from ..material import Material, Node
 from ..scene import Ray, Scene
+from .albedo_tables import Table
 from .bsdfs.ray_portal import THROUGH_PORTAL, Portal
 from .closures import (
     DIELECTRIC,
@@ -21,7 +22,7 @@ from .closures import (
 )
 from .fibers import Chiang, Hair
 from .geometry import Geometry, Surface
-from .material_lobes import CUTOFF, Builder, Table, leaves
+from .material_lobes import CUTOFF, Builder, leaves
 from .nodes import Graph, Points
 from .rare import AshikhminShirley
 from .subsurface import Subsurface

@@ -18,7 +18,7 @@ from ..rays import SHADOW_OPAQUE
 from ..samplers import get_2d
 from ..shading import energy, fresnel, microfacet
 from ..shading.diffuse import cosine_hemisphere
-from ..shading.material_compiler import AOV
+from ..shading.material_records import AOV
 from ..shading.operands import number, vector
 from ..shading.records import (
     FACETS,

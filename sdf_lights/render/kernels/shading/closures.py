@@ -10,10 +10,7 @@ import math
 from ....jit import kernel, table
 from ....vec import ZERO, add, average, dot, madd, mul, normalize, put, put_sum, scale, vec
 from . import diffuse, dispatch, energy, fresnel, microfacet
-from .material_compiler import (
-    LOBE,
-    MULTISCATTER,
-)
+from .material_records import LOBE, MULTISCATTER
 from .operands import normal, number
 from .records import (
     FRESNEL_DIELECTRIC,

@@ -27,7 +27,7 @@ from .closures import (
     saturated,
     specular_normal,
 )
-from .material_compiler import (
+from .material_records import (
     ALPHA,
     BASE_COLOR,
     COAT_IOR,

@@ -19,7 +19,7 @@ from .closures import (
     saturate,
     specular_normal,
 )
-from .material_compiler import (
+from .material_records import (
     LOBE_ALPHA,
     LOBE_DIFFUSE,
     LOBE_EMISSION,

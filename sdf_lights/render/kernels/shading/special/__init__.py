@@ -18,7 +18,7 @@ import numpy as np
 from .....jit import CallablePart
 from ....tables import thin_film as film_table
 from .. import dispatch
-from ..material_compiler import LOBE_PRINCIPLED
+from ..material_records import LOBE_PRINCIPLED
 from ..records import FACETS, SUBSURFACE, THIN_GLASS
 from ..shadow_shading import shaded_transparency
 from ..special_lobes import (

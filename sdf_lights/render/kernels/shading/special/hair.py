@@ -12,7 +12,7 @@ import math
 from .....jit import kernel
 from .....vec import add, cross, dot, frame, madd, normalize, put, scale, vec
 from ..closures import begin, finish, lobe_table, positive, specular_normal
-from ..material_compiler import NONE
+from ..material_records import NONE
 from ..operands import number, vector
 from ..records import GLOSSY, HAIR, TRANSMISSION, closure_table, surface_table
 from ..special_lobes import lobe_kind, option

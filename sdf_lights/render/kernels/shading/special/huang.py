@@ -22,7 +22,7 @@ from .....jit import kernel
 from .....vec import add, cross, dot, frame, length, luminance, madd, negate, normalize, put, scale, sub, to_world, vec
 from .. import energy, fresnel, microfacet
 from ..closures import add_transparency, begin, finish, lobe_table
-from ..material_compiler import NONE
+from ..material_records import NONE
 from ..operands import number, vector
 from ..records import GLOSSY, HUANG, TRANSMISSION, closure_table, surface_table
 from ..special_lobes import lobe_kind
