@@ -10,6 +10,7 @@ over pixels depend on the seeds, so there is a second figure, without the noisie
 
 from __future__ import annotations
 
+import math
 import statistics
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -33,9 +34,26 @@ SAMPLES, QUICK_SAMPLES = 32, 16
 SEEDS, QUICK_SEEDS = 6, 3
 OUTLIERS = 1 / 500
 
-# The terms that are switched off, and their text in the document: settings of the scene, or values of
+
+def ears(noise, alike, samples: int, rates, branches) -> tuple[np.ndarray, np.ndarray]:
+    """As ``sample_allocation._best``, by EARS (Rath et al. 2022, "EARS: efficiency-aware Russian roulette and splitting").
+
+    The splitting factor is √(I / m) · √(T / V). T and V are the mean time and the mean variance of a sample of the whole
+    picture. Both depend on the factors, so this is a fixed point. All pixels take the same number of samples.
+    """
+    count = np.ones(len(noise.first))
+    for _ in range(8 if len(branches) > 1 else 0):
+        time = noise.cost + noise.met * count[noise.known].mean()
+        variance = (noise.first + noise.second / count)[noise.known].mean()
+        factor = np.sqrt(noise.second / max(noise.met, 1e-9) * time / max(variance, 1e-30))
+        count = np.rint(np.clip(factor, 1.0, branches[-1]))
+    return np.ones(len(count)), count
+
+
+# The terms that are switched off or replaced, and their text in the document: settings of the scene, or values of
 # ``sample_allocation``.
 ALL = "all"
+NEIGHBOURS = (1.0, 2.0, 1.0)
 TERMS: dict[str, tuple[str, dict, dict]] = {
     "splitting": ("paths do not divide", dict(indirect_paths=1), {}),
     "guidance": ("all pixels take the same number of samples", dict(guided_samples=False), {}),
@@ -52,6 +70,20 @@ TERMS: dict[str, tuple[str, dict, dict]] = {
         dict(first_pixels=lambda film, settings: None),
     ),
     "gains": ("both as soon as they promise anything", {}, dict(SPLITTING_GAIN=1.0, GUIDANCE_GAIN=1.0)),
+    "cut_cost": ("the boxes of lamps count as no time", {}, dict(CUT_COST=0.0)),
+    "telling": ("no pixel divides only to show how branches scatter", {}, dict(PART=0.0)),
+    "rates": ("pixels take from half to twice the set number of samples", {}, dict(MOST_RATE=2.0)),
+    "neighbours": ("only the eight nearest neighbours count", {}, dict(NEAR=NEIGHBOURS, FAR=NEIGHBOURS)),
+    "ears": (
+        "splitting as in EARS (Rath et al. 2022), the same number of samples for all pixels",
+        dict(guided_samples=False),
+        dict(_best=ears, SPLITTING_GAIN=math.inf),
+    ),
+    "two_halves": (
+        "adaptive sampling by two halves, as in Cycles (Dammertz et al. 2010), with a noise threshold of 0.05",
+        dict(guided_samples=False, noise_threshold=0.05),
+        {},
+    ),
 }
 
 
@@ -98,7 +130,7 @@ def _render(name: str, scene, term: str, samples: int, seed: int, device: str) -
         simple_scenes.plain_sdf_lights(scene, samples, BOUNCES, device)
         scene.sdf_lights.seed = seed
     chosen, values = TERMS[term][1:] if term != ALL else ({}, {})
-    for setting, value in (dict(indirect_paths=0, guided_samples=True) | chosen).items():
+    for setting, value in (dict(indirect_paths=0, guided_samples=True, noise_threshold=0.0) | chosen).items():
         setattr(scene.sdf_lights, setting, value)
     with _without(values):
         return pictures.render()

@@ -181,6 +181,8 @@ def _set_text(lamp, text: str) -> None:
 
 
 class SDFLIGHTS_PT_lamp_presets(PresetPanel, bpy.types.Panel):
+    """Presets of lamps."""
+
     bl_label = "Lamp Presets"
     preset_subdir = "sdf_lights/lamp"
     preset_operator = "script.execute_preset"

@@ -130,7 +130,8 @@ _READERS: dict[str, Callable[[FileResolver, Request], Found]] = {
 
 
 def words_of(lamp) -> tuple[str, str, dict[str, float | str]]:
-    """The word, the name and the settings that say the shape of a lamp of an object, an image or a network."""
+    """The word, the name and the settings that say the shape of a lamp of an object, an image or a network.
+    Raises RenderError."""
     if lamp.source == "NETWORK":
         if not lamp.network:
             raise RenderError("Its shape is the network that the add-on has, which is no file: choose one first.")

@@ -175,7 +175,7 @@ def _description(formulas: tuple[Formula, ...]) -> str:
 
 
 def evaluate(formula: Formula, points: np.ndarray, parameters: Numbers = ()) -> np.ndarray:
-    """Values (…) of the formula at points (…, 3), like ``numpy_evaluation.evaluate``.
+    """Values (…) of the formula at points (…, 3), like ``numpy_evaluation.evaluate``. Raises ValueError.
 
     The two agree to rounding. If an operand of minimum, maximum or a comparison is NaN, either operand may result.
     """

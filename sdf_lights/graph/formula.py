@@ -174,7 +174,7 @@ def formula_of(value: Formula | float) -> Formula:
 
 
 def call(function: Function, *operands: Formula | float) -> tuple[Formula, ...]:
-    """All results of an external function."""
+    """All results of an external function. Raises TypeError for a wrong number of operands."""
     nodes = tuple(map(formula_of, operands))
     if any(o.kind in CONDITIONS for o in nodes):
         raise TypeError("a condition can only be the first operand of select")
@@ -348,7 +348,8 @@ _RULES: dict[str, Callable[..., Formula | None]] = {
 
 
 def apply(kind: str, *operands: Formula | float) -> Formula:
-    """The operation ``kind`` of ``OPERATIONS`` on formulas or numbers: folded, simplified, shared."""
+    """The operation ``kind`` of ``OPERATIONS`` on formulas or numbers: folded, simplified, shared.
+    Raises TypeError for wrong operands."""
     nodes = tuple(map(formula_of, operands))
     operation = OPERATIONS[kind]
     if len(nodes) != operation.arity:

@@ -95,7 +95,7 @@ class _Denoiser:
             self._api.oidnReleaseFilter(handle)
 
     def denoise(self, color: np.ndarray, guides: dict[str, np.ndarray]) -> np.ndarray | None:
-        """``color`` denoised with guides that are first denoised separately. The library's documentation recommends
+        """``color`` (height, width, 3) denoised with guides that are first denoised separately. The library's documentation recommends
         this for noisy guides: lens blur, rough glass."""
         clean = {}
         for name, guide in guides.items():

@@ -52,7 +52,7 @@ GREATEST = float(np.finfo(np.float32).max)  # largest number for a pixel of a pa
 
 
 def half_count(count: np.ndarray) -> np.ndarray:
-    """How many of the first ``count`` samples of a pixel belong to "half"."""
+    """How many (pixels,) of the first ``count`` samples of each pixel belong to "half"."""
     return count // (2 * HALF_BIT) * HALF_BIT + np.maximum(count % (2 * HALF_BIT) - HALF_BIT, 0)
 
 

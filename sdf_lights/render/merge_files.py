@@ -64,7 +64,7 @@ def read(path: pathlib.Path) -> list[Part]:
 
 
 def share_of(path: pathlib.Path, told: dict[str, Share], layer: str) -> Share:
-    """The samples of a view layer of a file; a file with one layer does not name it."""
+    """The samples of a view layer of a file; a file with one layer does not name it. Raises MergeError."""
     if layer in told:
         return told[layer]
     if not layer and len(told) == 1:

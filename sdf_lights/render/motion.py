@@ -95,7 +95,7 @@ def _rotation(axis: np.ndarray, angle: float) -> np.ndarray:
 
 
 def between(values: np.ndarray, time: float) -> np.ndarray:
-    """Linear interpolation of K values at even times."""
+    """Linear interpolation of ``values`` (K, …) at even times; ``time`` is in [0, 1]."""
     place = min(max(time, 0.0), 1.0) * (len(values) - 1)
     first = min(int(place), len(values) - 2)
     return values[first] + (place - first) * (values[first + 1] - values[first])

@@ -226,6 +226,7 @@ class SDFLIGHTS_Node_pattern(ExpressionNode, bpy.types.Node):
             draw_text(layout, self)
 
     def source(self) -> str:
+        """Text of the expression."""
         if self.pattern != EXPRESSION:
             return presets()[self.pattern.lower()].text
         return self.text.as_string() if self.text is not None else self.expression

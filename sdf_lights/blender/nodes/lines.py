@@ -162,7 +162,7 @@ class Writer:
     # -- what nodes ask for while they are written --------------------------------------------------------------------
 
     def inputs(self, socket: bpy.types.NodeSocket) -> list[ast.expr]:
-        """Values linked to an input, from the top; its own if it has one and nothing is linked."""
+        """Values linked to an input, from the top; its own if it has one and nothing is linked. Raises Broken."""
         found = []
         for link in links_of(socket):
             end = _end(self._place[0], link)
@@ -232,7 +232,7 @@ class Writer:
         return ast.Name(target, ast.Load())
 
     def declare(self, declaration: Declaration) -> ast.expr:
-        """A parameter, which lamps have values for."""
+        """A parameter, which lamps have values for. Raises Broken."""
         known = (self._declared | self.declarations).get(declaration.name, declaration)
         if known != declaration:
             raise Broken(f"Another node declares {declaration.name} otherwise: choose another name")

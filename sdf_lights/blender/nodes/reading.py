@@ -161,7 +161,7 @@ def _addressed(writer: Writer, problems: Mapping[int, str]) -> list[tuple[tuple[
 
 
 def writers_of(tree: bpy.types.NodeTree, owner: np.ndarray | None) -> tuple[Writer, Writer]:
-    """Of the shape and of the emission."""
+    """Writers of the shape and of the emission. ``owner`` as for ``shape_of``."""
     shape = Writer(tree, owner)
     return shape, Writer(tree, owner, EMISSION, shape.declarations)
 
@@ -203,7 +203,7 @@ def shape_of(
 ) -> Shape:
     """The shape of a tree for the values of its parameters.
 
-    ``owner`` is the matrix of the lamp's object, ``lamp`` its ``Light.sdf_lamp``, which holds what texts of nodes name.
+    ``owner`` (4 × 4, to the world) is the matrix of the lamp's object, ``lamp`` its ``Light.sdf_lamp``, which holds what texts of nodes name.
     Raises RenderError.
     """
     if tree is None:

@@ -44,7 +44,7 @@ def vdb():
 def is_whole(path: pathlib.Path) -> bool:
     """Whether a .vdb file has all bytes that its grids say they have: OpenVDB may search for long in one that has not.
 
-    Its parts are those of ``io::File`` and ``GridDescriptor`` of OpenVDB.
+    Its parts are those of ``io::File`` and ``GridDescriptor`` of OpenVDB. Raises OSError if it cannot be opened.
     """
     size = path.stat().st_size
     with open(path, "rb") as file:

@@ -281,7 +281,7 @@ def slot_materials(obj: bpy.types.Object) -> list[bpy.types.Material | None]:
 
 
 def invertible(matrix: np.ndarray) -> np.ndarray | None:
-    """``matrix``, with a small thickness if it flattens (a plane scaled to zero along its normal stays visible); None
+    """``matrix`` (4 × 4), with a small thickness if it flattens (a plane scaled to zero along its normal stays visible); None
     if no area is left."""
     linear = matrix[:3, :3]
     # In plain Python: there may be many thousands of objects, and NumPy takes ten times as long for nine numbers.

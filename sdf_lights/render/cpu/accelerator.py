@@ -111,7 +111,7 @@ class _EmbreeScene:
 
 
 def accelerator_of(scene: Scene, transparent: np.ndarray, deep: np.ndarray | None = None) -> Accelerator:
-    """An ``Accelerator``. If nothing has moved, it is the one that the scene has kept, which gives the same hits."""
+    """An ``Accelerator``; ``transparent`` and ``deep`` (materials,) as there. If nothing has moved, it is the one that the scene has kept, which gives the same hits."""
     before = scene.kept.get(_KEPT) if scene.kept is not None else None
     if before is not None and before.serves(scene, transparent, deep):
         return before
@@ -194,13 +194,14 @@ class Accelerator:
             )
 
     def fill(self, block: np.ndarray) -> None:
-        """Store the scene of Embree and the addresses of its functions in a block."""
+        """Store the scene of Embree and the addresses of its functions in a block (1,)."""
         block["embree_scene"] = self.scene
         block["rtc_intersect"] = self._api.address("rtcIntersect1")
         block["rtc_occluded"] = self._api.address("rtcOccluded1")
 
     def serves(self, scene: Scene, transparent: np.ndarray, deep: np.ndarray | None) -> bool:
-        """Whether these structures are valid for this scene, too."""
+        """Whether these structures are valid for this scene, too. ``transparent`` and ``deep`` (materials,) as in
+        ``accelerator_of``."""
         return self._signature == _signature(scene, transparent, deep)
 
     def _new_scene(self) -> int:

@@ -51,7 +51,7 @@ class Pilot:
 
     @classmethod
     def of(cls, film: Film, pixels: np.ndarray) -> Pilot:
-        """From a film whose ``pixels`` have ``SAMPLES`` samples, and the others none."""
+        """From a film whose ``pixels`` (n,) have ``SAMPLES`` samples, and the others none."""
         at = np.flatnonzero(pixels)
         of_before, of_all, total, _ = film.squares[at].T
         before = film.sums["combined"].reshape(-1, 4)[at, :3].sum(axis=1)

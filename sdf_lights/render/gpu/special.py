@@ -57,7 +57,8 @@ def _nowhere(block, workspace, closure):
 
 
 def natives(lobes: np.ndarray) -> dict:
-    """The replacements of the kernels of ``dispatch``, and of subsurface scattering, for a scene with these lobes."""
+    """The replacements of the kernels of ``dispatch``, and of subsurface scattering, for a scene with these lobes
+    (n,)."""
     found, closures, refined, thin, deep = special.kinds(lobes)
     methods = special.methods(lobes)
     return {

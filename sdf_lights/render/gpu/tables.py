@@ -119,7 +119,7 @@ class Tables:
         return Value(Ref(Array(layout_of(dtype, name)), reader=self.reader(name)), f"scene.{name}_start", count=rows)
 
     def constant(self, array: np.ndarray) -> Value | None:
-        """The table that is this array, in a module of kernels; None if there is none."""
+        """The table that is this array (n,), in a module of kernels; None if there is none."""
         for name, own in self._tables.items():
             if own is array:
                 return self.table(name, array.dtype, known(BLOCK))

@@ -37,7 +37,7 @@ def is_lit(receivers: int, light_set: np.ndarray) -> np.ndarray:
 def balance_weight(
     data: SceneData, paths: Paths, light_pdf: np.ndarray, visibility: Ray = Ray.ALL, control: Control = NO_CONTROL
 ) -> np.ndarray:
-    """Balance heuristic for emission that rays have hit, with the density ``paths.pdf``; 1 if that is 0."""
+    """Balance heuristic (N,) for emission that rays have hit, with the density ``paths.pdf``; 1 if that is 0."""
     pdf = paths.pdf
     if not competes(visibility, control):
         return np.where(pdf > 0.0, 0.0, 1.0)
@@ -71,7 +71,7 @@ def contribute(
 
 
 def gather_emitters(data: SceneData, paths: Paths, end: np.ndarray, samples: Samples) -> None:
-    """Lamps and lights along the rays, up to the distance ``end``."""
+    """Lamps and lights along the rays, up to the distances ``end`` (N,)."""
     count = len(end)
     for lamp in data.lamps:
         spans = lamp.spans(paths.origin, paths.direction)

@@ -47,7 +47,7 @@ class Surface:
     ray_pdf: np.ndarray  # density of its scattering; 0: singular, or the camera
 
     def select(self, rows: np.ndarray) -> "Surface":
-        """The hits of some rows, given as indices or as a mask."""
+        """The hits of some rows, given as indices (n,) or as a mask (N,)."""
         return Surface(**{name: value[rows] for name, value in vars(self).items()})
 
 
@@ -186,12 +186,12 @@ class Placed:
         self.triangle_count = int(counts[self.mesh_of].sum()) if len(self.mesh_of) else 0
 
     def material(self, instance: np.ndarray, triangle: np.ndarray) -> np.ndarray:
-        """Index of the material of triangles."""
+        """Index (N,) of the material of triangles (N,) of instances (N,)."""
         slot = self.slots[self.first[self.mesh_of[instance]] + triangle]
         return self.materials[instance, slot.clip(0, self.materials.shape[1] - 1)]
 
     def surface(self, hits: Hits, directions: np.ndarray) -> Surface:
-        """The surface at ``hits``, all of which exist, of rays along ``directions``."""
+        """The surface at ``hits``, all of which exist, of rays along ``directions`` (N, 3)."""
         row = self.first[self.mesh_of[hits.instance]] + hits.triangle
         matrix = self.matrices[hits.instance]
         barycentric = np.stack([1.0 - hits.u - hits.v, hits.u, hits.v], -1)
@@ -284,7 +284,7 @@ class Geometry(Placed):
         return Hits(distance, instance, triangle, u, v)
 
     def offset(self, position: np.ndarray, ng: np.ndarray, direction: np.ndarray) -> np.ndarray:
-        """Origins for rays that leave a surface, moved to the side on which they leave."""
+        """Origins (N, 3), in world space, for rays that leave a surface, moved to the side on which they leave."""
         return position + self.epsilon * np.where(dot(ng, direction) < 0.0, -1.0, 1.0)[:, None] * ng
 
     def light_start(self, surface: Surface, wi: np.ndarray) -> np.ndarray:

@@ -32,5 +32,5 @@ class Hits:
         return cls(np.full(count, np.inf), nowhere, nowhere, np.zeros(count), np.zeros(count))
 
     def select(self, rows: np.ndarray) -> "Hits":
-        """Those of some rays, given as indices or as a mask."""
+        """Those of some rays, given as indices (n,) or as a mask (N,)."""
         return Hits(*(array[rows] for array in vars(self).values()))

@@ -40,7 +40,7 @@ class Integrator:
         self._caught: list[tuple[Paths, Hits]] = []
 
     def trace(self, x: np.ndarray, y: np.ndarray, rng: np.random.Generator, stop=lambda: False) -> Samples | None:
-        """One sample for each of the pixels with the integer coordinates x, y of the full frame; None if stopped."""
+        """One sample for each of the pixels with the integer coordinates x, y (N,) of the full frame; None if stopped."""
         count = len(x)
         samples = Samples(count)
         origin, direction, near, far = self.data.camera.rays(x, y, rng)

@@ -42,7 +42,7 @@ class Shading:
         self.entered: list[tuple[np.ndarray, Subsurface]] = []  # rows that ``sample`` has sent below the surface
 
     def select(self, rows: np.ndarray) -> "Shading":
-        """The same for some rows, given as indices or as a mask."""
+        """The same for some rows, given as indices (n,) or as a mask (N,)."""
         rows = np.arange(len(self.holdout))[rows]
         result = Shading(self.surface.select(rows))
         for name in ("emission", "transparency", "albedo", "diffuse_albedo", "holdout", "scatters", "portal"):
@@ -214,7 +214,7 @@ class Materials:
         return shading
 
     def exits(self, surface: Surface, footprint: np.ndarray) -> Shading:
-        """White diffuse surfaces where light leaves from below, with the bump of the subsurface closures there."""
+        """White diffuse surfaces where light leaves from below, for footprints (N,) in metres, with the bump of the subsurface closures there."""
         shading = Shading(surface)
         for index, rows in self._groups(surface):
             part, normal = surface.select(rows), surface.ns[rows]

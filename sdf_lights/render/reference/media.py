@@ -145,7 +145,7 @@ class Phase:
         self.media, self.inside, self.direction = media, inside, direction
 
     def select(self, rows: np.ndarray) -> Phase:
-        """The same for some rows, given as indices or as a mask."""
+        """The same for some rows, given as indices (n,) or as a mask (N,)."""
         return Phase(self.media, self.inside[rows], self.direction[rows])
 
     def evaluate(self, wi: np.ndarray, kinds: Ray = Ray.ALL) -> tuple[np.ndarray, np.ndarray]:
@@ -172,7 +172,7 @@ class Phase:
 
 
 def points_of(position: np.ndarray, direction: np.ndarray) -> Surface:
-    """Points of rays in media, in the place of surfaces; their instance is −1."""
+    """Points (N, 3) of rays in media, in the place of surfaces; their instance is −1."""
     count, zero = len(position), np.zeros_like(position)
     nothing, number = np.zeros(count), np.zeros(count, int)
     return Surface(

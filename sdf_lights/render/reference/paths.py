@@ -39,7 +39,7 @@ class Paths:
     volume: np.ndarray  # bounces in media
 
     def select(self, rows: np.ndarray) -> "Paths":
-        """Some of the paths, given as indices or as a mask."""
+        """Some of the paths, given as indices (n,) or as a mask (N,)."""
         return Paths(**{name: value[rows] for name, value in vars(self).items()})
 
 

@@ -258,7 +258,8 @@ OUTLINE = TableFunction(
 
 
 def outline_table(segments: np.ndarray) -> Table:
-    """Table of segments (n, 4), x and y of both ends, with the inside on their left. Those without length are left out."""
+    """Table of segments (n, 4), x and y of both ends, with the inside on their left. Those without length are left out.
+    Raises ValueError if none is left."""
     segments = np.asarray(segments, np.float64).reshape(-1, 4)
     lengths = np.hypot(segments[:, 2] - segments[:, 0], segments[:, 3] - segments[:, 1])
     segments, lengths = segments[lengths > 0.0], lengths[lengths > 0.0]

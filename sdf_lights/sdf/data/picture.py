@@ -45,7 +45,7 @@ def contour(values: np.ndarray, threshold: float) -> np.ndarray:
     case = case[row, column]
 
     def at(rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
-        """Values relative to the threshold; outside, as far below it as 0, and a little at least."""
+        """Values (n,) relative to the threshold; outside, as far below it as 0, and a little at least."""
         within = (rows >= 0) & (rows < height) & (columns >= 0) & (columns < width)
         found = values[np.clip(rows, 0, height - 1), np.clip(columns, 0, width - 1)].astype(np.float64) - threshold
         return np.where(within, found, min(-threshold, -1e-3))

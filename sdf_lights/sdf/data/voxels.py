@@ -183,7 +183,7 @@ class _Builder:
         return Grid(*grid_tables(self.corner, self.size, coarse, blocks, joined, self.band))
 
     def coarse(self) -> np.ndarray:
-        """Distances (z, y, x) at all corners of blocks."""
+        """Distances (z, y, x) at all corners of blocks. Raises GridError for too many voxels."""
         counts = self.counts + 1
         if np.prod(counts.astype(float)) > MOST_CORNERS:
             raise GridError("has too many voxels: choose a larger voxel size.")
@@ -193,7 +193,7 @@ class _Builder:
         return _with_signs(distances, windings, ON_A_FACE * self.size).reshape(shape)
 
     def near_enough(self, blocks: np.ndarray) -> np.ndarray:
-        """Those of the blocks to whose middle the surface is near, or whose winding number changes (open meshes)."""
+        """Those of the blocks (n, 3) to whose middle the surface is near, or whose winding number changes (open meshes)."""
         half = 0.5 * math.sqrt(3.0) * SIDE * self.size
         distances, windings = self.measured(SIDE * blocks + SIDE / 2, 1, 1.0, math.inf)
         near = distances.ravel() < self.band + half
@@ -224,7 +224,7 @@ class _Builder:
         return np.array(sorted(wanted), np.int64).reshape(-1, 3)
 
     def without_jumps(self, blocks: np.ndarray, values: np.ndarray) -> np.ndarray:
-        """Values whose sign does not change from one voxel to the next faster than by their distance."""
+        """Values (n, CORNERS, CORNERS, CORNERS) whose sign does not change from one voxel to the next faster than by their distance."""
         if self.mesh.closed:
             return values
         check()

@@ -312,7 +312,7 @@ class Shape(Parametric):
     def terms(self, matrix: np.ndarray, factor: float) -> list[Term]:
         """The field factor · φ(matrix⁻¹ x) in parts that can be left out where they do not matter: see ``Term``.
 
-        The default is for a shape without such parts. ``factor`` is at most the least singular value of ``matrix``.
+        The default is for a shape without such parts. ``factor`` is at most the least singular value of ``matrix`` (4 × 4).
         """
         slots = Slots()
         formula = self.build(undone(matrix, POINT, slots), slots) * slots(factor)

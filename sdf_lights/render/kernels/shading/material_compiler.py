@@ -394,7 +394,7 @@ class _Program:
     # Values
 
     def operand(self, *formulas: Formula) -> int:
-        """Operand of one formula, or of three in a row."""
+        """Operand of one formula, or of three in a row. Raises _TooComplex if there are no registers left."""
         folded = tuple(map(self.values.fold, formulas))
         if all(formula.kind == CONSTANT for formula in folded):
             return self.scene.constant(*(formula.value for formula in folded))

@@ -53,7 +53,7 @@ _ADD, _REFINE, _THIN_WALL, _TRANSPARENCY, _SCATTERING, _EVALUATE, _SAMPLE = 2, 3
 
 
 def kinds(lobes: np.ndarray) -> tuple[set[int], set[int], bool, bool, bool]:
-    """For the lobes (rows of ``LOBE``) of a scene: kinds of lobe and of closure in this package, whether Principled has
+    """For the lobes (n,), rows of ``LOBE``, of a scene: kinds of lobe and of closure in this package, whether Principled has
     such microfacets, whether it can be a thin wall, and whether it has subsurface scattering."""
     principled = lobes["features"][lobes["kind"] == LOBE_PRINCIPLED]
     refined, thin = bool((principled & WITH_FACETS).any()), bool((principled & WITH_THIN_WALL).any())
@@ -70,14 +70,14 @@ def kinds(lobes: np.ndarray) -> tuple[set[int], set[int], bool, bool, bool]:
 
 
 def methods(lobes: np.ndarray) -> set[int]:
-    """Methods of subsurface scattering (``records.BURLEY`` …) of the lobes of a scene."""
+    """Methods of subsurface scattering (``records.BURLEY`` …) of the lobes (n,) of a scene."""
     features = lobes["features"]
     deep = (lobes["kind"] == LOBE_SUBSURFACE) | (lobes["kind"] == LOBE_PRINCIPLED) & (features & WITH_SUBSURFACE != 0)
     return {int(method) for method in np.unique(features[deep] >> METHOD & 3)}
 
 
 def addresses(lobes: np.ndarray, records: tuple) -> np.ndarray:
-    """The table "special_code" of a scene with these lobes, for blocks and workspaces of these ``records``. The code is
+    """The table "special_code" of a scene with these lobes (n,), for blocks and workspaces of these ``records``. The code is
     compiled first and kept for ever."""
     table = np.zeros(dispatch.PLACES, np.int64)
     found, closures, refined, thin, deep = kinds(lobes)
@@ -127,5 +127,5 @@ def _address(kernel, count: int, records: tuple) -> int:
 
 
 def tables(lobes: np.ndarray) -> dict[str, np.ndarray]:
-    """Tables that these closures read."""
+    """Tables that the closures of these lobes (n,) read."""
     return {"film": film_table.load() if {FACETS, THIN_GLASS} & kinds(lobes)[1] else np.zeros(1)}
