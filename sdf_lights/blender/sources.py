@@ -129,7 +129,7 @@ _READERS: dict[str, Callable[[FileResolver, Request], Found]] = {
 }
 
 
-def words_of(lamp) -> tuple[str, str, dict[str, float | str]]:
+def builtin_call_of(lamp) -> tuple[str, str, dict[str, float | str]]:
     """The word, the name and the settings that say the shape of a lamp of an object, an image or a network.
     Raises RenderError."""
     if lamp.source == "NETWORK":

@@ -66,7 +66,7 @@ def _weights(sums: np.ndarray) -> np.ndarray:
     return 1.0 / (sums**2 + FLOOR * np.mean(sums**2) + 1e-300)
 
 
-def promises(without: Pilot) -> bool:
+def may_pay(without: Pilot) -> bool:
     """Whether light paths could pay, if they took all noise from the light that surfaces scatter."""
     weights = _weights(without.sums)
     return float(weights @ without.whole) > PROMISE * float(weights @ without.before)

@@ -55,7 +55,7 @@ control_table = table("control", np.int64)
 
 
 @kernel
-def keep_state(block, workspace, row):
+def save_state(block, workspace, row):
     """Keep what the path is inside of, and how it was scattered first, with the other state of a branch."""
     if block.has_media:
         inside_table(workspace)[row] = inside_table(workspace)[0]
@@ -63,8 +63,8 @@ def keep_state(block, workspace, row):
 
 
 @kernel
-def use_state(block, workspace, row):
-    """Give the path itself what ``keep_state`` has kept of path number ``row``."""
+def restore_state(block, workspace, row):
+    """Give the path itself what ``save_state`` has kept of path number ``row``."""
     if block.has_media:
         inside_table(workspace)[0] = inside_table(workspace)[row]
     use_first_scattering(block, workspace, row)
@@ -92,13 +92,13 @@ def trace_branches(block, workspace, x, y, branches, first_branch):
     put(sample.before, vec(sample.combined))
     put(sample.lamps_before, vec(sample.lamps))
     paths[WAITING] = paths[0]
-    keep_state(block, workspace, WAITING)
+    save_state(block, workspace, WAITING)
     if block.light_paths:
         light_paths.choose(block, workspace)
     for branch in range(branches):
         light = brightness(sample)
         paths[0] = paths[WAITING]
-        use_state(block, workspace, WAITING)
+        restore_state(block, workspace, WAITING)
         paths[0].index, paths[0].share = first_branch + branch, 1.0 / branches
         if block.light_paths:
             light_paths.connect(block, workspace)
@@ -114,14 +114,14 @@ def trace_branches(block, workspace, x, y, branches, first_branch):
         if block.has_subsurface:
             ray_table(workspace)[FIRST_BRANCH_RAY + branch] = ray_table(workspace)[0]
         paths[FIRST_BRANCH + branch] = paths[0]
-        keep_state(block, workspace, FIRST_BRANCH + branch)
+        save_state(block, workspace, FIRST_BRANCH + branch)
     intersect_branches(block, workspace, branches)
-    choose_branches(workspace, branches)
+    roulette_branches(workspace, branches)
     light = brightness(sample)
     for branch in range(branches):
         if paths[FIRST_BRANCH + branch].alive:
             paths[0] = paths[FIRST_BRANCH + branch]
-            use_state(block, workspace, FIRST_BRANCH + branch)
+            restore_state(block, workspace, FIRST_BRANCH + branch)
             ray_table(workspace)[0] = ray_table(workspace)[FIRST_BRANCH_RAY + branch]
             cut_table(workspace)[1].lamp = -1  # the branch before has left one of another point there
             if block.has_subsurface:
@@ -146,7 +146,7 @@ def intersect_branches(block, workspace, branches):
             continue
         light = brightness(sample)
         paths[0] = paths[FIRST_BRANCH + branch]
-        use_state(block, workspace, FIRST_BRANCH + branch)
+        restore_state(block, workspace, FIRST_BRANCH + branch)
         if block.has_subsurface:
             rays[0] = rays[FIRST_BRANCH_RAY + branch]
         path = paths[0]
@@ -164,11 +164,11 @@ def intersect_branches(block, workspace, branches):
             rays[FIRST_BRANCH_RAY + branch] = rays[0]
         path.brought += brightness(sample) - light
         paths[FIRST_BRANCH + branch] = paths[0]
-        keep_state(block, workspace, FIRST_BRANCH + branch)
+        save_state(block, workspace, FIRST_BRANCH + branch)
 
 
 @kernel
-def choose_branches(workspace, branches):
+def roulette_branches(workspace, branches):
     """Russian roulette: branches that are expected to bring less than their mean survive in proportion to that.
 
     One number decides on all of them, so how many do is nearly always the same (systematic sampling). What it costs to
@@ -202,17 +202,17 @@ def trace_catchers(block, bare, workspace):
     """Follow the path of a sample that has met a shadow catcher in ``bare``, the block of a scene of only these."""
     if not outputs.release(block, workspace):
         return
-    forget_cuts(workspace)
+    invalidate_cuts(workspace)
     if bare.has_media:
         inside_table(workspace)[0].count = 0
     if shade_and_scatter(bare, workspace, False) == GOES_ON:
         trace_path(bare, workspace, False)
-    forget_cuts(workspace)
+    invalidate_cuts(workspace)
     outputs.add_bare(block, workspace)
 
 
 @kernel
-def forget_cuts(workspace):
+def invalidate_cuts(workspace):
     """What light sampling has prepared is of another scene."""
     for row in range(2):
         cut_table(workspace)[row].lamp = -1

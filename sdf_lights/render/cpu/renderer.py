@@ -21,7 +21,7 @@ from ..scene import Scene
 from . import background
 from .block import PackedScene, Workspace
 from .light_path_pilot import SAMPLES as PILOT_SAMPLES
-from .light_path_pilot import Pilot, pays, pilot_pixels, promises
+from .light_path_pilot import Pilot, may_pay, pays, pilot_pixels
 from .light_paths import LightPaths
 from .path_splitting import render_tile
 
@@ -151,7 +151,7 @@ class CpuRenderer:
         if pixels is None:
             return True
         without = self._pilot(pixels, stop)
-        if without is None or not promises(without):
+        if without is None or not may_pay(without):
             return without is not None
         connected = self._pilot(pixels, stop, light_paths)
         if connected is None:

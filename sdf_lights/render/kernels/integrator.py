@@ -21,7 +21,7 @@ from .geometry import find_surface, instance_table, shading_material_table, surf
 from .light_paths import dispatch as light_paths
 from .media import dispatch as media
 from .media.records import inside_table
-from .next_event import light_vertex
+from .next_event import sample_direct_light
 from .outputs import dispatch as outputs
 from .outputs.records import CATCHERS, DATA, LOBES
 from .path import (
@@ -35,7 +35,7 @@ from .path import (
     VERTEX_SETS,
     path_table,
     sample_table,
-    uncover,
+    subtract_alpha,
 )
 from .ray_origins import clear_self_primitive, offset_ray_origin, spawn_ray
 from .rays import beyond, intersect, ray_table, start_anew
@@ -196,7 +196,7 @@ def survives(path):
 
 
 @kernel
-def nothing_left(block, surface):
+def finds_no_light(block, surface):
     """Whether no ray from here can find light, once only emission counts: all of it is left to light sampling."""
     if block.has_subsurface and surface.subsurface > 0:
         return False
@@ -333,7 +333,7 @@ def shade_and_scatter(block, workspace, whole):
     find_surface(block, workspace, wo, path.kind, t_to * block.camera_pixel_angle + block.camera_pixel_width)
     if not exits and instance_table(block)[surface.instance].holdout:
         if path.kind == CAMERA:
-            uncover(workspace, 1.0)
+            subtract_alpha(workspace, 1.0)
         return ENDS
     if block.outputs & CATCHERS and path.kind == CAMERA and instance_table(block)[surface.instance].catcher:
         outputs.catch(block, workspace)
@@ -355,7 +355,7 @@ def shade_and_scatter(block, workspace, whole):
     if not exits:
         gather_surface(block, workspace)
     if path.kind == CAMERA:
-        uncover(workspace, surface.holdout)
+        subtract_alpha(workspace, surface.holdout)
         put_sum(sample.diffuse_albedo, mul(vec(path.throughput), vec(surface.diffuse_albedo)))
         first = not sample.found and average(vec(surface.transparency)) < 0.5
         if first:
@@ -379,8 +379,8 @@ def shade_and_scatter(block, workspace, whole):
     if block.light_paths and path.connects and not light_paths.weigh(block, workspace):
         return ENDS
     if surface.evaluable > 0 and not last:
-        light_vertex(block, workspace)
-    if surface.closure_count == 0 or (path.bounce >= block.max_bounces and nothing_left(block, surface)):
+        sample_direct_light(block, workspace)
+    if surface.closure_count == 0 or (path.bounce >= block.max_bounces and finds_no_light(block, surface)):
         return ENDS
     if whole and divides(block, workspace):
         return DIVIDES

@@ -181,7 +181,7 @@ def show_environment(workspace, radiance):
 
 
 @kernel
-def uncover(workspace, part):
+def subtract_alpha(workspace, part):
     """Subtract from the sample's alpha where the camera sees nothing behind."""
     sample = sample_table(workspace)[0]
     alpha = sample.alpha - part * average(vec(path_table(workspace)[0].throughput))

@@ -20,7 +20,7 @@ from ...graph.formula import Formula, Vector, length, maximum, minimum, select
 from .. import program
 from ..program import Op, combine, primitive
 from .base import BOUND, EXACT, Parametric, Slots, number
-from .cuts import placed
+from .clipping import placed
 from .primitives import corner
 
 PROFILES: dict[str, type["Profile"]] = {}
