@@ -93,7 +93,8 @@ def mean_color(image: Image) -> tuple[float, float, float]:
     pixels = as_pixels(image.pixels)
     steps = (max(size // 256, 1) for size in pixels.shape[:2])
     few = Image(image.name, pixels[tuple(slice(None, None, step) for step in steps)], image.encoded)
-    return tuple(map(float, colors(few).mean((0, 1), dtype=np.float64)))
+    red, green, blue = colors(few).mean((0, 1), dtype=np.float64).tolist()
+    return red, green, blue
 
 
 def reduced(pixels: np.ndarray, limit: int, share: float | None = None) -> np.ndarray:

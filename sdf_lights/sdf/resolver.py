@@ -167,7 +167,7 @@ class _Recorder:
             raise
         return found
 
-    def has_answers(self, answers: Mapping[Request, Shape | str]) -> bool:
+    def has_answers(self, answers: Mapping[Request, Shape | Table | str]) -> bool:
         """Whether the resolver answers so."""
         for request in answers:
             try:

@@ -11,7 +11,7 @@ from ....vec import ZERO, add, average, dot, frame, length, madd, mul, normalize
 from ...nodes.lookups import attribute_here
 from ..camera import ORTHOGRAPHIC, camera_table, view_depth
 from ..geometry import NO_DOMAIN, attribute_table, instance_table, shading_material_table
-from ..next_event import look
+from ..next_event import begin_light_ray
 from ..path import OCCLUSION_SETS, path_table, sample_table
 from ..ray_origins import spawn_ray
 from ..rays import SHADOW_OPAQUE
@@ -159,7 +159,7 @@ def _visible_sky(block, workspace, surface):
     t, b = frame(normal)
     wi = to_world(cosine_hemisphere(u[0], u[1]), t, b, normal)
     if block.has_media:
-        look(block, workspace, ng, wi)
+        begin_light_ray(block, workspace, ng, wi)
     start = spawn_ray(workspace, surface, wi)
     return transmittance(block, workspace, start, wi, block.occlusion_distance, SHADOW_OPAQUE)
 
