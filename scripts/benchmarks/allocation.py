@@ -20,8 +20,8 @@ import host
 import numpy as np
 
 from . import artist_scenes, beside_cycles, errors, lamp_scenes, pictures, simple_scenes, some_of
-from .progress import Progress
-from .resume import Parts
+from .resume import in_parts
+from .turns import in_turns, stack_of, work_of
 
 HELP = "the gain of each term of sample allocation and path splitting, on scenes with and without lamps"
 
@@ -144,12 +144,11 @@ def measure(name: str, terms: list[str], options) -> list[dict]:
     variants = [ALL, *terms]
     _render(name, scene, ALL, 1, 0, options.device)  # compiles, and fills caches
     start = statistics.median(_render(name, scene, "both", 1, 0, options.device).work for _ in range(3))
-    made: dict[str, list[pictures.Picture]] = {term: [] for term in variants}
-    for seed in range(max(seeds, 2)):
-        for term in variants:
-            made[term].append(_render(name, scene, term, samples, seed, options.device))
-    stacks = {term: np.array([picture.pixels for picture in pile]) for term, pile in made.items()}
-    work = {term: max(statistics.median(picture.work for picture in pile) - start, 1e-6) for term, pile in made.items()}
+    made = in_turns(
+        variants, range(max(seeds, 2)), lambda term, seed: _render(name, scene, term, samples, seed, options.device)
+    )
+    stacks = {term: stack_of(pile) for term, pile in made.items()}
+    work = {term: max(work_of(pile) - start, 1e-6) for term, pile in made.items()}
     return [dict(allocation_scene=name, without=term) | gain for term, gain in gains_of(stacks, work).items()]
 
 
@@ -203,13 +202,8 @@ def document(rows: list[dict]) -> None:
 def run(options) -> tuple[dict, list[dict]]:
     names = options.only or list(QUICK if options.quick else (*LAMPS, *ORDINARY))
     terms = options.terms or list(TERMS)
-    progress, parts, rows = Progress(len(names)), Parts(options), []
-    for name in names:
-        progress.show(name)
-        rows += parts.of(name, lambda: measure(name, terms, options))
-        progress.step()
-    parts.finish()
-    progress.close()
+    found = in_parts(names, lambda name: measure(name, terms, options), options)
+    rows = [row for part in found for row in part]
     if options.document_allocation:
         document(rows)
     return summary_of(rows), rows

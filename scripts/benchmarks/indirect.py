@@ -22,8 +22,8 @@ from . import (
     simple_scenes,
     some_of,
 )
-from .progress import Progress
-from .resume import Parts
+from .resume import in_parts
+from .turns import in_turns, stack_of, work_of
 
 HELP = "the gain of light paths in rooms that lamps light by way of walls, and what they lose elsewhere"
 
@@ -64,13 +64,14 @@ def measure(name: str, options) -> dict:
     seeds = max(options.repeats or (QUICK_SEEDS if options.quick else SEEDS), 2)
     for variant in (WITHOUT, AUTOMATIC):
         _render(name, scene, variant, 2, 0, options.device)  # compiles, and fills caches
-    made: dict[str, list[pictures.Picture]] = {WITHOUT: [], AUTOMATIC: []}
-    for seed in range(seeds):
-        for variant, pile in made.items():
-            pile.append(_render(name, scene, variant, samples, seed, options.device))
+    made = in_turns(
+        (WITHOUT, AUTOMATIC),
+        range(seeds),
+        lambda variant, seed: _render(name, scene, variant, samples, seed, options.device),
+    )
     return dict(indirect_scene=name, samples=samples) | row_of(
-        {variant: np.array([picture.pixels for picture in pile]) for variant, pile in made.items()},
-        {variant: statistics.median(picture.work for picture in pile) for variant, pile in made.items()},
+        {variant: stack_of(pile) for variant, pile in made.items()},
+        {variant: work_of(pile) for variant, pile in made.items()},
     )
 
 
@@ -119,11 +120,5 @@ def summary_of(rows: list[dict]) -> dict:
 
 def run(options) -> tuple[dict, list[dict]]:
     names = options.rooms or list(QUICK if options.quick else SCENES)
-    progress, parts, rows = Progress(len(names)), Parts(options), []
-    for name in names:
-        progress.show(name)
-        rows.append(parts.of(name, lambda: measure(name, options)))
-        progress.step()
-    parts.finish()
-    progress.close()
+    rows = in_parts(names, lambda name: measure(name, options), options)
     return summary_of(rows), rows
