@@ -42,12 +42,12 @@ def ears(noise, alike, samples: int, rates, branches) -> tuple[np.ndarray, np.nd
     picture. Both depend on the factors, so this is a fixed point. All pixels take the same number of samples.
     """
     count = np.ones(len(noise.first))
-    for _ in range(8 if len(branches) > 1 else 0):
+    for _ in range(64 if len(branches) > 1 else 0):
         time = noise.cost + noise.met * count[noise.known].mean()
         variance = (noise.first + noise.second / count)[noise.known].mean()
         factor = np.sqrt(noise.second / max(noise.met, 1e-9) * time / max(variance, 1e-30))
-        count = np.rint(np.clip(factor, 1.0, branches[-1]))
-    return np.ones(len(count)), count
+        count = np.clip(factor, 1.0, branches[-1])
+    return np.ones(len(count)), np.rint(count)
 
 
 # The terms that are switched off or replaced, and their text in the document: settings of the scene, or values of
