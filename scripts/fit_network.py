@@ -27,7 +27,8 @@ POOL = 1 << 18  # points
 NEAR = 0.1  # half sides from the surface at which points are a third as frequent
 RATES = 3e-3, 3e-5  # of learning, at the beginning and at the end
 MOMENTS = 0.9, 0.99
-DECAY = 0.15  # of weights, times the rate (Loshchilov and Hutter 2019): small weights have close bounds, so rays take fewer steps
+# of weights, times the rate (Loshchilov and Hutter 2019): small weights have close bounds, so rays take fewer steps
+DECAY = 0.15
 MARGIN = 0.1  # around the shape, of half its longest side
 
 
@@ -66,7 +67,8 @@ def shape_of(source: pathlib.Path, name: str = "") -> Shape:
 def fit(
     shape: Shape, width: int, layers: int, omega: float, steps: int, batch: int, seed: int, say=lambda text: None
 ) -> Siren:
-    """A network whose field is near that of the shape: least squares by Adam (Kingma and Ba 2015), near its surface above all."""
+    """A network whose field is near that of the shape: least squares by Adam (Kingma and Ba 2015), near its surface
+    above all."""
     rng = np.random.default_rng(seed)
     low, high = shape.bounds()
     middle, half = 0.5 * (low + high), 0.5 * (high - low)

@@ -31,7 +31,7 @@ HELD = "\x00"  # a space at which no line ends
 def wrapped(lines: list[str], prefix: str, width: int) -> list[str]:
     """One paragraph. ``prefix`` is what its first line begins with; later lines are indented as far."""
     text = " ".join(line.strip() for line in lines)
-    text = re.sub(r"`[^`]{1,60}`", lambda span: span[0].replace(" ", HELD), MARK.sub(HELD, text))
+    text = re.sub(r"``[^`]{1,60}``|`[^`]{1,60}`", lambda span: span[0].replace(" ", HELD), MARK.sub(HELD, text))
     found = textwrap.wrap(
         text,
         width,
@@ -90,7 +90,11 @@ def docstrings(source: str) -> list[tuple[int, int, int]]:
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef)) and node.body:
             first = node.body[0]
-            if isinstance(first, ast.Expr) and isinstance(first.value, ast.Constant) and isinstance(first.value.value, str):
+            if (
+                isinstance(first, ast.Expr)
+                and isinstance(first.value, ast.Constant)
+                and isinstance(first.value.value, str)
+            ):
                 found.append((first.lineno - 1, first.end_lineno or first.lineno, first.col_offset))
     return found
 
@@ -143,7 +147,7 @@ def above(lines: list[str]) -> list[str]:
     for token in reversed([token for token in tokens if token.type == tokenize.COMMENT]):
         row, column = token.start
         code = done[row - 1][:column].rstrip()
-        if len(done[row - 1]) > WIDTH and code and "type:" not in token.string:
+        if len(done[row - 1]) > WIDTH and code and not re.search(r"type:|noqa|fmt:", token.string):
             indent = " " * (len(code) - len(code.lstrip()))
             done[row - 1 : row] = [*comments([indent + token.string]), code]
     return done
@@ -151,7 +155,9 @@ def above(lines: list[str]) -> list[str]:
 
 def files() -> list[pathlib.Path]:
     """Documents and modules of the repository."""
-    listed = subprocess.run(["git", "ls-files", "*.md", "*.py"], cwd=REPOSITORY, capture_output=True, text=True, check=True)
+    listed = subprocess.run(
+        ["git", "ls-files", "*.md", "*.py"], cwd=REPOSITORY, capture_output=True, text=True, check=True
+    )
     return [REPOSITORY / name for name in listed.stdout.split("\n") if name]
 
 

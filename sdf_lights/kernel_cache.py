@@ -46,8 +46,8 @@ def note(folder: pathlib.Path, error: OSError) -> None:
 
 
 def cache_folder() -> pathlib.Path:
-    """Folder for compiled kernels: ``SDF_LIGHTS_CACHE`` (set by the extension to its own user folder), or the user's cache
-    folder."""
+    """Folder for compiled kernels: ``SDF_LIGHTS_CACHE`` (set by the extension to its own user folder), or the user's
+    cache folder."""
     root = os.environ.get("SDF_LIGHTS_CACHE")
     if root:
         return pathlib.Path(root)

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Public functions, classes and methods say what they are, the shapes of the arrays that they take, and their errors."""
+"""Public functions, classes and methods say what they are, the shapes of the arrays that they take, and their
+errors."""
 
 import ast
 import importlib
@@ -77,7 +78,8 @@ def test_what_lacks_one_is_found():
 
 
 def public_functions(source: str) -> list[ast.FunctionDef]:
-    """Public functions and methods that have a docstring of their own. Others inherit one, or the tests above find them."""
+    """Public functions and methods that have a docstring of their own. Others inherit one, or the tests above find
+    them."""
     return [
         node
         for node in ast.walk(ast.parse(source))

@@ -36,10 +36,11 @@ OUTLIERS = 1 / 500
 
 
 def ears(noise, alike, samples: int, rates, branches) -> tuple[np.ndarray, np.ndarray]:
-    """As ``sample_allocation._best``, by EARS (Rath et al. 2022, "EARS: efficiency-aware Russian roulette and splitting").
+    """As ``sample_allocation._best``, by EARS (Rath et al. 2022, "EARS: efficiency-aware Russian roulette and
+    splitting").
 
-    The splitting factor is √(I / m) · √(T / V). T and V are the mean time and the mean variance of a sample of the whole
-    picture. Both depend on the factors, so this is a fixed point. All pixels take the same number of samples.
+    The splitting factor is √(I / m) · √(T / V). T and V are the mean time and the mean variance of a sample of the
+    whole picture. Both depend on the factors, so this is a fixed point. All pixels take the same number of samples.
     """
     count = np.ones(len(noise.first))
     for _ in range(64 if len(branches) > 1 else 0):
@@ -156,7 +157,8 @@ def gains_of(stacks: dict[str, np.ndarray], work: dict[str, float]) -> dict[str,
     """The gain of each term, from pictures (seeds, height, width, channels) and seconds of each variant, ALL among
     them.
 
-    ``gain``: error × time without the term, over that with all; ``gain_of_most``: without the noisiest pixels; ``time`` alone.
+    ``gain``: error × time without the term, over that with all; ``gain_of_most``: without the noisiest pixels; ``time``
+    alone.
     """
     mean = np.mean([stack.mean(axis=0) for stack in stacks.values()], axis=0)
     floor = mean**2 + errors.FLOOR * mean.mean() ** 2
@@ -173,7 +175,8 @@ def gains_of(stacks: dict[str, np.ndarray], work: dict[str, float]) -> dict[str,
 
 
 def summary_of(rows: list[dict]) -> dict:
-    """Geometric means by term, of scenes of lamps and of others, and the least of all; of all pixels but the noisiest."""
+    """Geometric means by term, of scenes of lamps and of others, and the least of all; of all pixels but the
+    noisiest."""
     summary = {}
     for term in TERMS:
         for kind, names in (("lamps", LAMPS), ("ordinary", ORDINARY)):

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The gain of light paths: error × time without them, over that with the automatic choice, in rooms that lamps light by way
-of walls and in scenes where they should not be used.
+"""The gain of light paths: error × time without them, over that with the automatic choice, in rooms that lamps light by
+way of walls and in scenes where they should not be used.
 
-As in ``allocation``, the error is the variance of renders with different seeds, and both variants take turns. The time is
-the processor time of a whole render, with all that light paths need before the first sample.
+As in ``allocation``, the error is the variance of renders with different seeds, and both variants take turns. The time
+is the processor time of a whole render, with all that light paths need before the first sample.
 """
 
 from __future__ import annotations
@@ -78,9 +78,9 @@ def measure(name: str, options) -> dict:
 def row_of(stacks: dict[str, np.ndarray], work: dict[str, float]) -> dict:
     """Figures of pictures (seeds, height, width, channels) and seconds of both variants.
 
-    ``gain`` and ``gain_of_most``: see ``allocation.gains_of``. ``time``: with over without. ``percentile``, ``worst``: the 99.9th percentile
-    and the greatest of the errors of pixels, with over without. ``deviation``: of the means, in standard errors.
-    ``used``: whether the choice has changed anything.
+    ``gain`` and ``gain_of_most``: see ``allocation.gains_of``. ``time``: with over without. ``percentile``, ``worst``:
+    the 99.9th percentile and the greatest of the errors of pixels, with over without.
+    ``deviation``: of the means, in standard errors. ``used``: whether the choice has changed anything.
     """
     names = {WITHOUT: "without", AUTOMATIC: allocation.ALL}
     gains = allocation.gains_of(
@@ -108,8 +108,8 @@ def row_of(stacks: dict[str, np.ndarray], work: dict[str, float]) -> dict:
 
 
 def summary_of(rows: list[dict]) -> dict:
-    """``rooms_gain_min`` and ``…_geomean``: of rooms. ``loss_max``: the greatest error × time with the automatic choice over
-    that without light paths, of all scenes. ``used_elsewhere``: in how many other scenes light paths are used."""
+    """``rooms_gain_min`` and ``…_geomean``: of rooms. ``loss_max``: the greatest error × time with the automatic choice
+    over that without light paths, of all scenes. ``used_elsewhere``: in how many other scenes light paths are used."""
     rooms = [row["gain"] for row in rows if row["indirect_scene"] in ROOMS]
     summary = dict(loss_max=max(1.0 / row["gain"] for row in rows))
     summary["used_elsewhere"] = sum(row["used"] for row in rows if row["indirect_scene"] not in ROOMS)

@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The first minutes, on empty caches: the demo after its downloads, the first F12 of an installed zip, and how long its window
-is busy while kernels compile beside it. Also how far the demo's quick picture is from one of many samples.
+"""The first minutes, on empty caches: the demo after its downloads, the first F12 of an installed zip, and how long its
+window is busy while kernels compile beside it. Also how far the demo's quick picture is from one of many samples.
 """
 
 from __future__ import annotations

@@ -53,8 +53,8 @@ def first_picture() -> None:
 
 
 def stalls() -> None:
-    """Longest times that the window did not answer: first while it redraws its status bar without the add-on, then as long
-    while kernels compile. Redraws of the status bar are told apart."""
+    """Longest times that the window did not answer: first while it redraws its status bar without the add-on, then as
+    long while kernels compile. Redraws of the status bar are told apart."""
     phases: list[dict] = [dict(drawing=[], other=[], work=[]) for _ in range(2)]
     texts: list[str] = []
     state = dict(last=0.0, work=0.0, phase=0, until=0.0, redraw=0.0, skip=0, drawn=False)

@@ -80,7 +80,8 @@ def apply(light: bpy.types.Light, preset: Preset) -> None:
 
 
 def preset_of(light: bpy.types.Light) -> Preset:
-    """The lamp as a preset. Raises RenderError where its nodes cannot be written as text, or need what is in this file."""
+    """The lamp as a preset. Raises RenderError where its nodes cannot be written as text, or need what is in this
+    file."""
     lamp = light.sdf_lamp
     for thing in parameters.things_of(light):
         what = "an image" if isinstance(thing, bpy.types.Image) else "an object"

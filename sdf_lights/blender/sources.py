@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What lamps mean by names of data: objects and images of the file, and texts in Blender's font.
 
-A lamp keeps a pointer to each thing that its texts name. So files keep these things, they come along where a lamp is appended,
-and a thing that gets another name is still found.
+A lamp keeps a pointer to each thing that its texts name. So files keep these things, they come along where a lamp is
+appended, and a thing that gets another name is still found.
 """
 
 from __future__ import annotations

@@ -40,9 +40,9 @@ class Formula:
     """One node. Made only by the functions and operators of this module; compared and hashed by identity.
 
     ``kind`` is ``CONSTANT`` (``value`` a float), ``VARIABLE`` (``value`` a name and the number of a component),
-    ``PARAMETER`` (``value`` a slot) or a key of ``OPERATIONS`` (``operands`` formulas). Loops (see ``loops.iterate``) have
-    ``ITERATE`` (``value`` a ``Loop``; ``operands`` the number of iterations, the first states, and the outer values
-    that the body uses). Only inside the body, ``STATE`` has the loop's level and the number of the state as its
+    ``PARAMETER`` (``value`` a slot) or a key of ``OPERATIONS`` (``operands`` formulas). Loops (see ``loops.iterate``)
+    have ``ITERATE`` (``value`` a ``Loop``; ``operands`` the number of iterations, the first states, and the outer
+    values that the body uses). Only inside the body, ``STATE`` has the loop's level and the number of the state as its
     ``value``. Calls have ``CALL`` (``value`` a ``Function``). ``RESULT`` is one of the values of a loop or call
     (``value`` its number, ``operands`` the loop or call).
     """

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bounds of a formula's values over boxes, by ``interval_arithmetic`` at each node; ``slope_evaluation`` adds bounds of slopes."""
+"""Bounds of a formula's values over boxes, by ``interval_arithmetic`` at each node; ``slope_evaluation`` adds bounds of
+slopes."""
 
 from __future__ import annotations
 

@@ -31,7 +31,8 @@ class Part:
 
 
 def groups(parts: list[Part]) -> dict[tuple[str, str], dict[str, tuple[int, list[int]]]]:
-    """The part and the channels of each pass, by (view layer, view). Blender writes one part for each pass, or one for all."""
+    """The part and the channels of each pass, by (view layer, view). Blender writes one part for each pass, or one for
+    all."""
     found: dict[tuple[str, str], dict[str, tuple[int, list[int]]]] = {}
     for index, part in enumerate(parts):
         views = str(part.spec.getattribute("multiView") or part.spec.getattribute("view") or "")

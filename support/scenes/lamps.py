@@ -24,7 +24,8 @@ def torus_room(width: int = WIDTH, height: int = HEIGHT) -> Scene:
 
 
 def cove(width: int = WIDTH, height: int = HEIGHT) -> Scene:
-    """A lamp above a shelf, which hides it from most of the room: light comes by way of the ceiling, and light paths are used.
+    """A lamp above a shelf, which hides it from most of the room: light comes by way of the ceiling, and light paths
+    are used.
 
     In the room are a coarse smooth ball that is glossy, too, a box of metal, a tinted pane, and glass before the lamp.
     """

@@ -153,7 +153,8 @@ def light_control(width: int = WIDTH, height: int = HEIGHT) -> Scene:
 
 
 def shadow_catcher(width: int = WIDTH, height: int = HEIGHT) -> Scene:
-    """Metal and a glowing box on a floor that catches their light and shadows, seen through a clear sheet, under an SDF lamp."""
+    """Metal and a glowing box on a floor that catches their light and shadows, seen through a clear sheet, under an SDF
+    lamp."""
     scene = emissive_mesh(width, height)
     scene.instances[0].catcher = True
     scene.lamps.append(torus_lamp())

@@ -3,10 +3,10 @@
 """The GPU's pictures against the CPU's, pass by pass.
 
 Both draw the same numbers for the same seed, so most samples are the same but for rounding, and the difference of two
-pictures is far less than their noise. With projection sampling of SDF lamps the mean difference of each block of pixels and of
-the picture has to be zero within what float32 and the rare sample that takes another way explain, by a t test over seeds.
-Cuts have other boxes on the GPU, which has them for direct light alone: there the difference has to be zero within the noise of
-both.
+pictures is far less than their noise. With projection sampling of SDF lamps the mean difference of each block of pixels
+and of the picture has to be zero within what float32 and the rare sample that takes another way explain, by a t test
+over seeds. Cuts have other boxes on the GPU, which has them for direct light alone: there the difference has to be zero
+within the noise of both.
 """
 
 import dataclasses

@@ -83,7 +83,8 @@ def test_the_cpu_takes_over_in_the_middle(monkeypatch):
 
 
 def test_samples_that_a_driver_cuts_short_are_taken_again():
-    """A close view of a fractal: llvmpipe ends all loops of a thread after 65535 turns in all. Samples that it ended had less light."""
+    """A close view of a fractal: llvmpipe ends all loops of a thread after 65535 turns in all. Samples that it ended
+    had less light."""
     device_or_skip()
     films = []
     for device in (Device.CPU, Device.GPU):

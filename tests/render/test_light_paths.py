@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Light paths: the picture's mean is the same, its noise less; threads change nothing; a scene that cannot have them, or
-does not gain, keeps its picture to the last bit. ``test_agreement`` compares the scene "cove" with the reference."""
+"""Light paths: the picture's mean is the same, its noise less; threads change nothing; a scene that cannot have them,
+or does not gain, keeps its picture to the last bit. ``test_agreement`` compares the scene "cove" with the reference."""
 
 import dataclasses
 
@@ -42,7 +42,8 @@ def picture(lamp_paths: LampPaths, build=cove, size=SIZE, change=lambda scene: N
     ids=["plain", "tight limits"],
 )
 def test_light_paths_change_the_noise_alone(changes):
-    """Means of the whole and of blocks over 24 renders each agree within 4.5 standard errors: by chance, one set of seeds in a hundred would not."""
+    """Means of the whole and of blocks over 24 renders each agree within 4.5 standard errors: by chance, one set of
+    seeds in a hundred would not."""
     found = [
         np.array([picture(each, seed=seed, samples=16, **changes) for seed in range(24)]) for each in (WITHOUT, ALWAYS)
     ]

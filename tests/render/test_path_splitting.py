@@ -199,7 +199,8 @@ def test_a_row_of_pixels_divides():
 
 
 def test_branches_that_promise_little_are_left_out():
-    """A single branch has no others to be compared with. Around the room there is a ball, so that all rays meet surfaces."""
+    """A single branch has no others to be compared with. Around the room there is a ball, so that all rays meet
+    surfaces."""
     films = []
     for branches in (1, 16):
         scene = room(samples=8, indirect_paths=branches, guided_samples=False)

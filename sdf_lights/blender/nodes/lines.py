@@ -2,11 +2,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """From a node tree to lines of the expression language.
 
-A line is a syntax tree. It is never printed and parsed on the way to a shape. Groups are written as often as they are used,
-reroutes and muted nodes not at all.
+A line is a syntax tree. It is never printed and parsed on the way to a shape. Groups are written as often as they are
+used, reroutes and muted nodes not at all.
 
-The numbers of sockets are not in the lines. Lines have names for them, ``#0``, ``#1`` and so on, of values that may change. So
-a slider changes no formula, and compiles nothing.
+The numbers of sockets are not in the lines. Lines have names for them, ``#0``, ``#1`` and so on, of values that may
+change. So a slider changes no formula, and compiles nothing.
 """
 
 from __future__ import annotations

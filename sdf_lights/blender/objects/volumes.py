@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Volume objects as lamps: the level set in their .vdb file, by a signed distance grid.
 
-Blender has OpenVDB as a Python module: ``openvdb``, and in older versions ``pyopenvdb``. The module bpy from the package index has none.
+Blender has OpenVDB as a Python module: ``openvdb``, and in older versions ``pyopenvdb``. The module bpy from the
+package index has none.
 """
 
 from __future__ import annotations

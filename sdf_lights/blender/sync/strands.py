@@ -108,8 +108,8 @@ def points_of(data: bpy.types.Curves | bpy.types.PointCloud) -> tuple[np.ndarray
 
 
 def keys_of(first: np.ndarray, kept: np.ndarray) -> np.ndarray:
-    """Indices (points,) of the points of the curves ``kept`` (curves,). Curve i has the points from ``first[i]`` to before ``first[i +
-    1]``."""
+    """Indices (points,) of the points of the curves
+    ``kept`` (curves,). Curve i has the points from ``first[i]`` to before ``first[i + 1]``."""
     counts = (first[1:] - first[:-1])[kept]
     return np.repeat(first[kept] - (np.cumsum(counts) - counts), counts) + np.arange(counts.sum())
 

@@ -26,7 +26,8 @@ _keymaps: list[tuple[bpy.types.KeyMap, bpy.types.KeyMapItem]] = []
 
 
 def entry(lamp: Lamp, origin: np.ndarray, direction: np.ndarray) -> float | None:
-    """Distance along a ray from ``origin`` (3,), in lengths of ``direction`` (3,), at which it enters a lamp; None if it misses."""
+    """Distance along a ray from ``origin`` (3,), in lengths of ``direction`` (3,), at which it enters a lamp; None if
+    it misses."""
     inverse = affine.inverse(lamp.matrix)
     o, d = inverse[:3, :3] @ origin + inverse[:3, 3], inverse[:3, :3] @ direction
     low, high = lamp.shape.bounds()

@@ -93,8 +93,8 @@ class _Device:
 class _EmbreeScene:
     """An Embree scene, and the arrays that it reads.
 
-    It retains the device: Python may release what belongs to a cycle of references in any order, and Embree needs the device until
-    the last scene has gone.
+    It retains the device: Python may release what belongs to a cycle of references in any order, and Embree needs the
+    device until the last scene has gone.
     """
 
     def __init__(self, api: _Api, device: _Device):
@@ -111,7 +111,8 @@ class _EmbreeScene:
 
 
 def accelerator_of(scene: Scene, transparent: np.ndarray, deep: np.ndarray | None = None) -> Accelerator:
-    """An ``Accelerator``; ``transparent`` and ``deep`` (materials,) as there. If nothing has moved, it is the one that the scene has kept, which gives the same hits."""
+    """An ``Accelerator``; ``transparent`` and ``deep`` (materials,) as there. If nothing has moved, it is the one that
+    the scene has kept, which gives the same hits."""
     before = scene.kept.get(_KEPT) if scene.kept is not None else None
     if before is not None and before.serves(scene, transparent, deep):
         return before

@@ -117,7 +117,8 @@ class PackedScene:
         return self._tables[name]
 
     def set_light_paths(self, tables: dict[str, np.ndarray]) -> None:
-        """Connect paths with the vertices of light paths in these tables of ``light_paths.records``; with nothing without them."""
+        """Connect paths with the vertices of light paths in these tables of ``light_paths.records``; with nothing
+        without them."""
         connects = "light_path_vertices" in tables
         empty = {name: np.zeros(0, dtype) for name, dtype in light_path_records.TABLES.items()}
         code = {"light_path_code": light_path_code.addresses(connects, (BLOCK, WORKSPACE))}

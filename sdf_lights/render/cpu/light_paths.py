@@ -22,7 +22,8 @@ from ..scene import ALL_SETS, MANY_BOUNCES, Ray, Scene, catches_shadows
 from ..settings import LARGEST_BATCH, LampPaths
 from .block import PackedScene, Workspace
 
-# Samples of pixels for each light path of a pass, and for each of the tree: both take about 2 % of the time of these samples.
+# Samples of pixels for each light path of a pass, and for each of the tree: both take about 2 % of the time of these
+# samples.
 SHARED, TREE_SHARED = 16, 32
 MOST_PATHS, MOST_TREE_PATHS = 16384, 8192
 PILOT_NUMBER = 1 << 30  # of light paths: beyond those of samples
@@ -38,14 +39,15 @@ BY_PATH = {"ray_kind", "ray_length", "ray_singular", "depth"}  # what a material
 def can_connect(scene: Scene, packed: PackedScene) -> bool:
     """Whether connections find all light that they take from paths, and whether that is asked for.
 
-    - Light comes from SDF lamps alone: no other paths start with light. Each lamp lights all, and all cast its shadows, after
-      any number of bounces.
-    - Each object is met by all kinds of rays but the camera's or by none, as a light path does not know yet what kind of ray
-      it is seen by. For the same reason no material asks for the ray that meets it, no caustics are off, and no glossy filter is
-      on.
-    - Nothing moves, scatters in a volume or below a surface, is a strand, or catches shadows, and no closure may be sharp that
-      a light path cannot follow: a portal, a thin wall, anisotropic or thin films.
-    - No pass wants light by the lobe that scattered it first: what connections take from a ray is of diffuse lobes alone.
+    - Light comes from SDF lamps alone: no other paths start with light. Each lamp lights all, and all cast its shadows,
+      after any number of bounces.
+    - Each object is met by all kinds of rays but the camera's or by none, as a light path does not know yet what kind
+      of ray it is seen by. For the same reason no material asks for the ray that meets it, no caustics are off, and no
+      glossy filter is on.
+    - Nothing moves, scatters in a volume or below a surface, is a strand, or catches shadows, and no closure may be
+      sharp that a light path cannot follow: a portal, a thin wall, anisotropic or thin films.
+    - No pass wants light by the lobe that scattered it first: what connections take from a ray is of diffuse lobes
+      alone.
     - A light path has ``MOST_VERTICES`` at most, and passes transparent surfaces where there are some.
     """
     settings, world, block = scene.settings, scene.world, packed.block[0]
@@ -93,8 +95,8 @@ def vertices_of(scene: Scene, packed: PackedScene) -> int:
 
 
 def materials_of(packed: PackedScene) -> np.ndarray:
-    """(materials,) CONNECTS and ONLY_DIFFUSE of each. Light that a material passes on diffusely is left to paths: of which
-    side of it a light path comes, a path from the camera does not know."""
+    """(materials,) CONNECTS and ONLY_DIFFUSE of each. Light that a material passes on diffusely is left to paths: of
+    which side of it a light path comes, a path from the camera does not know."""
     kinds = packed.table("lobes")["kind"]
     lobes = [kinds[first:end] for first, end in packed.table("materials")["lobes"]]
     return np.array(
@@ -107,7 +109,8 @@ def materials_of(packed: PackedScene) -> np.ndarray:
 
 
 class LightPaths:
-    """Light paths of a packed scene, the same ones on any number of threads. ``use`` gives the scene those of some samples."""
+    """Light paths of a packed scene, the same ones on any number of threads. ``use`` gives the scene those of some
+    samples."""
 
     @classmethod
     def of(cls, scene: Scene, packed: PackedScene, workspaces: list[Workspace]) -> LightPaths | None:
@@ -126,7 +129,8 @@ class LightPaths:
         self.automatic = scene.settings.lamp_paths is LampPaths.AUTOMATIC
 
     def use(self, sample: int) -> int:
-        """Connect the next paths with the light paths of the set to which this sample belongs; returns the end of the set.
+        """Connect the next paths with the light paths of the set to which this sample belongs; returns the end of the
+        set.
 
         The set depends on the sample's number alone. Each is as large as its samples are worth.
         """
@@ -156,7 +160,8 @@ class LightPaths:
         self._packed.set_light_paths(self._fixed | {"light_path_vertices": vertices})
 
     def _build(self) -> None:
-        """Make the tree by light paths that no sample has: weights must not depend on the vertices that they are for."""
+        """Make the tree by light paths that no sample has: weights must not depend on the vertices that they are
+        for."""
         samples = self._scene.settings.samples
         raw, lengths = self._trace(0, _paths(self._pixels * samples / TREE_SHARED, MOST_TREE_PATHS))
         rows = np.arange(len(raw)).reshape(len(lengths), self._width)

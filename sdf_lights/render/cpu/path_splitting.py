@@ -43,8 +43,8 @@ from ..kernels.rays import hit_instance, ray_table
 from ..kernels.samplers import get_1d, pixel_seed
 from ..kernels.workspace import cut_table, secondary_table
 
-# Of a branch: estimates know nothing of what shadows, and of light by other ways. With 0.1 what is left is as noisy, but the
-# greatest error of a pixel is up to a quarter greater.
+# Of a branch: estimates know nothing of what shadows, and of light by other ways. With 0.1 what is left is as noisy,
+# but the greatest error of a pixel is up to a quarter greater.
 LEAST_SURVIVAL = 0.3
 CONNECTION_COST = 1.0  # time of a connection, with that of the weights at the next hit, in surfaces that rays meet
 LEAST_LEFT = 0.02  # of what connections to light paths leave to a branch
@@ -78,8 +78,8 @@ def brightness(sample):
 
 @kernel
 def trace_branches(block, workspace, x, y, branches, first_branch):
-    """One sample of the pixel (x, y), in ``sample``. Its path divides into ``branches`` at the first surface that scatters
-    light.
+    """One sample of the pixel (x, y), in ``sample``. Its path divides into ``branches`` at the first surface that
+    scatters light.
 
     What comes before is sampled once, and the branches, numbered from ``first_branch`` on, as evenly as all of a pixel.
     """

@@ -141,8 +141,8 @@ class CpuRenderer:
         return True
 
     def _try_light_paths(self, stop: Callable[[], bool]) -> bool:
-        """Keep light paths only if they pay. The film has none of the samples that tell, and begins anew with light paths.
-        Returns False if stopped before the end."""
+        """Keep light paths only if they pay. The film has none of the samples that tell, and begins anew with light
+        paths. Returns False if stopped before the end."""
         light_paths, film = self._light_paths, self._film
         if light_paths is None or not light_paths.automatic:
             return True
@@ -164,7 +164,8 @@ class CpuRenderer:
     def _pilot(
         self, pixels: np.ndarray, stop: Callable[[], bool], light_paths: LightPaths | None = None
     ) -> Pilot | None:
-        """Samples of some pixels on a film of their own, with ``light_paths`` or without; None if stopped before the end."""
+        """Samples of some pixels on a film of their own, with ``light_paths`` or without; None if stopped before the
+        end."""
         trial = Film(self._scene, self._film.passes)
         trial.branches[:], trial.active[:] = self._film.branches, pixels
         self._packed.set_film(self._scene, trial)

@@ -146,8 +146,8 @@ def combine_two(spans, first, count_first, second, count_second, op, out):
 
 
 def rows_written_out(program: np.ndarray) -> tuple[int, list[tuple[int, int]]]:
-    """Rows of ``spans`` for an unrolled program (instructions,), and for each instruction its first row and maximum number of
-    intervals."""
+    """Rows of ``spans`` for an unrolled program (instructions,), and for each instruction its first row and maximum
+    number of intervals."""
     places, stack, used = [], [], 0
     for index, row in enumerate(program):
         if row["arity"] == 0:

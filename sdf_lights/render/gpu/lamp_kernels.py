@@ -140,8 +140,8 @@ def sample_point(block, lamp, x, store, cut, u1, u2, u3):
 
 @kernel
 def keep_lamp(block, workspace, lamp):
-    """Replaces ``next_event.restore_lamp_cut`` if one emitter gives all the light and no ray passes a scattering surface: the
-    cut is that of the last light ray."""
+    """Replaces ``next_event.restore_lamp_cut`` if one emitter gives all the light and no ray passes a scattering
+    surface: the cut is that of the last light ray."""
 
 
 @kernel

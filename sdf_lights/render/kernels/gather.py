@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Emission that the ray of a path meets, weighed by the balance heuristic against light rays from where it scattered."""
+"""Emission that the ray of a path meets, weighed by the balance heuristic against light rays from where it
+scattered."""
 
 from __future__ import annotations
 

@@ -67,7 +67,8 @@ INSTANCE = np.dtype(
         ("forms", np.int64),
         ("vertex_count", np.int64),
         ("time", np.float64),
-        # What the triangles are; of curves and spheres also the first of their radii and of the numbers of their curves.
+        # What the triangles are; of curves and spheres also the first of their radii and of the numbers of their
+        # curves.
         ("primitive", np.int64),
         ("radii", np.int64),
         ("strands", np.int64),
@@ -371,8 +372,8 @@ def world_corner_normal(block, instance, triangle, corner):
 
 @kernel
 def _even_normal(block, instance, triangle, u, v):
-    """Shading normal of an instance that is put into the world, as Cycles has it: the mean of the corners' normals there, which
-    scales that differ do not weigh."""
+    """Shading normal of an instance that is put into the world, as Cycles has it: the mean of the corners' normals
+    there, which scales that differ do not weigh."""
     n = scale(world_corner_normal(block, instance, triangle, 0), 1.0 - u - v)
     n = madd(n, u, world_corner_normal(block, instance, triangle, 1))
     return normalize(madd(n, v, world_corner_normal(block, instance, triangle, 2)))

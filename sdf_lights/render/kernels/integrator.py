@@ -4,8 +4,8 @@
 
 Each emitter (an SDF lamp, a Blender light, an emissive triangle, the world) is an integral of its own over the sphere
 of directions. It is estimated twice at every vertex of a path: once by a ray towards a point of an emitter that
-``lights.select`` drew (``next_event``), once by the ray that continues the path (``gather``), which adds the line integral of
-every lamp it crosses before its hit (Huang et al. 2026, equations 1 and 2).
+``lights.select`` drew (``next_event``), once by the ray that continues the path (``gather``), which adds the line
+integral of every lamp it crosses before its hit (Huang et al. 2026, equations 1 and 2).
 """
 
 from __future__ import annotations
@@ -120,7 +120,8 @@ def _count_bounce(block, path, kind):
 
 @kernel
 def _leave_portal(workspace, path, surface, kind, wi):
-    """Go on from a surface that has a portal, straight or through it. As in Cycles, what is found then counts in full."""
+    """Go on from a surface that has a portal, straight or through it. As in Cycles, what is found then counts in
+    full."""
     path.pdf = 0.0
     if kind & THROUGH_PORTAL:
         position = vec(surface.exit)
@@ -261,14 +262,15 @@ def prepare_ray(block, workspace):
 
 @kernel
 def advance(block, workspace, whole):
-    """Follow the workspace's path along its ray, and scatter it where that meets a surface: as ``shade_and_scatter``."""
+    """Follow the workspace's path along its ray, and scatter it where that meets a surface: as
+    ``shade_and_scatter``."""
     return shade_and_scatter(block, workspace, whole) if intersect_and_gather(block, workspace) else ENDS
 
 
 @kernel
 def intersect_and_gather(block, workspace):
-    """Follow the workspace's path along its ray, and add the emission on the way: True if it ends at a surface, or where a
-    medium scatters it."""
+    """Follow the workspace's path along its ray, and add the emission on the way: True if it ends at a surface, or
+    where a medium scatters it."""
     path = path_table(workspace)[0]
     if block.has_subsurface and path.event == AT_EXIT:
         return True

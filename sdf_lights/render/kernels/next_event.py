@@ -39,16 +39,16 @@ NO_RAY = 0  # light sampling evaluates emission for all kinds of rays at once, a
 def competes(block, emitter):
     """Whether rays that scatter in any way can meet the emitter, so that both estimates share its light by MIS.
 
-    One that is hidden from some kinds of rays is left to light sampling, and to singular scattering; so is one whose shadows
-    not all cast.
+    One that is hidden from some kinds of rays is left to light sampling, and to singular scattering; so is one whose
+    shadows not all cast.
     """
     return lights.competes(block, emitter, SCATTERED)
 
 
 @kernel
 def shade_triangle(block, workspace, emitter, x, wi, distance):
-    """Radiance (RGB) of a textured emissive triangle, shaded where the ray from x along wi meets it: transparent surfaces may
-    be in front of it."""
+    """Radiance (RGB) of a textured emissive triangle, shaded where the ray from x along wi meets it: transparent
+    surfaces may be in front of it."""
     secondary = secondary_table(workspace)[0]
     surface = surface_table(secondary)[0]
     instance, primitive, u, v = lights.triangle_point(block, x, emitter, wi)
@@ -70,7 +70,8 @@ def selection_normal(path, n):
 @replaced_on_gpu
 @kernel
 def prepare_lamp_cut(block, workspace, lamp, pmf, x, n):
-    """Make the cut of the workspace that of a lamp, chosen with probability ``pmf``, for the lit point x with normal n."""
+    """Make the cut of the workspace that of a lamp, chosen with probability ``pmf``, for the lit point x with normal
+    n."""
     cut, path = cut_of(workspace), path_table(workspace)[0]
     if block.lamp_strategy != BOXES:
         cut.lamp, cut.strategy, cut.points = lamp, block.lamp_strategy, WHOLE_RAYS
@@ -117,7 +118,8 @@ def lamp_direction(block, workspace, lamp, x, u1, u2, u3):
 
 @kernel
 def lamp_pdf(block, workspace, lamp, x, d, count):
-    """Density per solid angle of ``lamp_direction`` giving d, from the ``count`` intervals of that ray in the workspace."""
+    """Density per solid angle of ``lamp_direction`` giving d, from the ``count`` intervals of that ray in the
+    workspace."""
     if block.lamp_strategy == EXTERNAL:
         return external.density(block, workspace, lamp, x, d, count)
     return cuts.density(block, lamp, d, box_table(workspace), cut_of(workspace), spans_of(workspace), count)

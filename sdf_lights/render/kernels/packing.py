@@ -165,7 +165,8 @@ class Elsewhere(NamedTuple):
 
 
 def pack_elsewhere(scene: Scene, sources: list[Lamp], materials: np.ndarray) -> Elsewhere | None:
-    """Camera and lights at even times, for the lamps ``sources`` that give light and the ``materials`` (n,); None if none of it moves."""
+    """Camera and lights at even times, for the lamps ``sources`` that give light and the ``materials`` (n,); None if
+    none of it moves."""
     if scene.shutter is None:
         return None
     emits = (materials["flags"] & HAS_EMISSION != 0) & (materials["sample_emission"] != 0)

@@ -41,8 +41,8 @@ def _is_met(surface):
 
 @kernel
 def _disk(u, v):
-    """A point of the unit disk that keeps neighbours together (Shirley and Chiu 1997, "A low distortion map between disk and
-    square")."""
+    """A point of the unit disk that keeps neighbours together (Shirley and Chiu 1997, "A low distortion map between
+    disk and square")."""
     a, b = 2.0 * u - 1.0, 2.0 * v - 1.0
     if a == 0.0 and b == 0.0:
         return 0.0, 0.0

@@ -157,7 +157,8 @@ class Straight(Lobe):
 
 
 def dielectric(cosine: np.ndarray, ior: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Unpolarised reflectance (N,), and cosine (N,) of the refracted ray (0 if there is none); ior of far over near side."""
+    """Unpolarised reflectance (N,), and cosine (N,) of the refracted ray (0 if there is none); ior of far over near
+    side."""
     c = np.clip(np.abs(cosine), 0.0, 1.0)
     ct2 = 1.0 - (1.0 - c * c) / ior**2
     ct = np.sqrt(np.maximum(ct2, 0.0))
@@ -291,7 +292,8 @@ class Microfacet(Lobe):
 
 
 def specular_normal(surface: Surface, normal: np.ndarray) -> np.ndarray:
-    """``normal`` (N, 3) turned towards the geometric one just so far that the mirror direction of wo leaves the surface.
+    """``normal`` (N, 3) turned towards the geometric one just so far that the mirror direction of wo leaves the
+    surface.
 
     By bisection of the way between the two normals.
     """

@@ -55,8 +55,8 @@ def sees(data: SceneData, paths: Paths, emitter, control: Control) -> np.ndarray
 def contribute(
     data: SceneData, paths: Paths, radiance: np.ndarray, scatters: np.ndarray, samples: Samples, lamp=False, sky=False
 ) -> None:
-    """Add radiance (N, 3), times the throughput of its paths, to the passes. ``scatters`` (N,): how often the light has been
-    scattered; ``lamp``, ``sky``: where it comes from."""
+    """Add radiance (N, 3), times the throughput of its paths, to the passes.
+    ``scatters`` (N,): how often the light has been scattered; ``lamp``, ``sky``: where it comes from."""
     value = paths.throughput * radiance
     for limit, which in ((data.settings.clamp_direct, scatters <= 1), (data.settings.clamp_indirect, scatters > 1)):
         if limit > 0.0:

@@ -29,8 +29,8 @@ FIRST_ROULETTE = 3
 
 
 class Integrator:
-    """Traces paths through a scene. ``use_embree`` as in ``Geometry``; ``bare``: the scene has only the shadow catchers of
-    another one."""
+    """Traces paths through a scene. ``use_embree`` as in ``Geometry``; ``bare``: the scene has only the shadow catchers
+    of another one."""
 
     def __init__(self, scene: Scene, use_embree: bool | None = None, bare: bool = False):
         self.data = SceneData(scene, use_embree)
@@ -40,7 +40,8 @@ class Integrator:
         self._caught: list[tuple[Paths, Hits]] = []
 
     def trace(self, x: np.ndarray, y: np.ndarray, rng: np.random.Generator, stop=lambda: False) -> Samples | None:
-        """One sample for each of the pixels with the integer coordinates x, y (N,) of the full frame; None if stopped."""
+        """One sample for each of the pixels with the integer coordinates x, y (N,) of the full frame; None if
+        stopped."""
         count = len(x)
         samples = Samples(count)
         origin, direction, near, far = self.data.camera.rays(x, y, rng)

@@ -71,7 +71,8 @@ class Shading:
                     lobe.weight = lobe.weight * light
 
     def blur(self, least_pdf: np.ndarray, limit: float) -> None:
-        """Raise the roughness of lobes where the ``least_pdf`` (N,) of a path is below ``limit``: Filter Glossy of Cycles."""
+        """Raise the roughness of lobes where the ``least_pdf`` (N,) of a path is below ``limit``: Filter Glossy of
+        Cycles."""
         blurred = least_pdf < limit
         if not blurred.any():
             return
@@ -84,8 +85,8 @@ class Shading:
                     self.scatters[rows] |= (lobe.weight.mean(1) >= CUTOFF) & ~lobe.singular
 
     def evaluate(self, wi: np.ndarray, kinds: Ray = Ray.ALL) -> tuple[np.ndarray, np.ndarray]:
-        """f · |cos| (N, 3), of lobes that scatter as one of these ``kinds`` of rays, and pdf (N,) of all lobes that are not
-        singular."""
+        """f · |cos| (N, 3), of lobes that scatter as one of these ``kinds`` of rays, and pdf (N,) of all lobes that are
+        not singular."""
         value, pdf = np.zeros(wi.shape), np.zeros(len(wi))
         for rows, lobes in self.groups:
             part = self.surface.select(rows)
@@ -214,7 +215,8 @@ class Materials:
         return shading
 
     def exits(self, surface: Surface, footprint: np.ndarray) -> Shading:
-        """White diffuse surfaces where light leaves from below, for footprints (N,) in metres, with the bump of the subsurface closures there."""
+        """White diffuse surfaces where light leaves from below, for footprints (N,) in metres, with the bump of the
+        subsurface closures there."""
         shading = Shading(surface)
         for index, rows in self._groups(surface):
             part, normal = surface.select(rows), surface.ns[rows]

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Homogeneous participating media, in the world and in meshes.
 
-A path through media carries the light of one channel of RGB, drawn where it begins, three times. So its extinction is one
-number, and distances to collisions are drawn by it: all that a ray meets before its collision counts in full.
+A path through media carries the light of one channel of RGB, drawn where it begins, three times. So its extinction is
+one number, and distances to collisions are drawn by it: all that a ray meets before its collision counts in full.
 """
 
 from __future__ import annotations
@@ -60,8 +60,8 @@ class Media:
         return np.tile(np.array(self.owners, int) == WORLD, (count, 1))
 
     def around(self, positions: np.ndarray) -> np.ndarray:
-        """(N, columns) bool: the media around cameras. A mesh contains a point if a ray leaves it without having entered
-        it."""
+        """(N, columns) bool: the media around cameras. A mesh contains a point if a ray leaves it without having
+        entered it."""
         inside, start, going = self.outside(len(positions)), positions.copy(), np.arange(len(positions))
         if self._columns.max(initial=-1) < 0:
             return inside

@@ -77,7 +77,8 @@ def _sample_emitter(data: SceneData, emitter, paths, surface, shading, samples, 
             hits = Hits(*(array[rows] for array in vars(hits).values()))
             lit = data.geometry.surface(hits, wi)
             radiance = data.materials.shade(lit, np.zeros(count)).emission
-            # The ray starts an offset away from x, which brings a triangle seen at a grazing angle nearer by more than that.
+            # The ray starts an offset away from x, which brings a triangle seen at a grazing angle nearer by more than
+            # that.
             end = distance - 4.0 * data.geometry.epsilon / np.maximum(np.abs(dot(lit.ng, wi)), 1e-5)
         else:
             radiance = radiance[rows]
@@ -128,9 +129,9 @@ def _transmitted(
     rng,
     radiance=None,
 ) -> np.ndarray:
-    """Transmittance (N, 3) of media and of transparent surfaces, as many as the ``paths`` may still pass, from ``surface`` to
-    the distance ``end`` along ``wi``. With ``radiance(start, end)``, instead the radiance along the way, each part
-    times the transmittance up to there. ``casts`` as in ``_casters``."""
+    """Transmittance (N, 3) of media and of transparent surfaces, as many as the
+    ``paths`` may still pass, from ``surface`` to the distance ``end`` along ``wi``. With ``radiance(start, end)``,
+    instead the radiance along the way, each part times the transmittance up to there. ``casts`` as in ``_casters``."""
     count = len(end)
     transmittance, light = np.ones((count, 3)), np.zeros((count, 3))
     near, alive = np.zeros(count), np.arange(count)

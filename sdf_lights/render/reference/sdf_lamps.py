@@ -137,7 +137,8 @@ class SdfLamp:
     # --- rays ---------------------------------------------------------------------------------------------------------
 
     def spans(self, origins: np.ndarray, directions: np.ndarray) -> Spans:
-        """Every part of the rays, from their origins (N, 3) along directions (N, 3), that is inside the lamp; distances in world space."""
+        """Every part of the rays, from their origins (N, 3) along directions (N, 3), that is inside the lamp; distances
+        in world space."""
         # The local direction is not made a unit vector, so that distances need no conversion.
         return self._local_spans((origins - self._origin) @ self._inverse.T, directions @ self._inverse.T)
 

@@ -70,7 +70,8 @@ def images(box, matrices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def images_growth(growth: np.ndarray, matrices: np.ndarray) -> np.ndarray:
-    """``Shape.growth`` (3,) of all images, by ``matrices`` (n, 4, 4), of a shape with this ``growth``, with the box of ``images``."""
+    """``Shape.growth`` (3,) of all images, by ``matrices`` (n, 4, 4), of a shape with this ``growth``, with the box of
+    ``images``."""
     return (np.abs(matrices[:, :3, :3]) @ growth).max(axis=0) if np.isfinite(growth).all() else growth
 
 

@@ -148,7 +148,8 @@ def test_a_starved_process_that_may_not_be_raised_is_replaced(package, ordinary,
 
 @pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is missing")
 def test_what_an_entry_calls_is_counted():
-    """The kernels that Numba compiles for an entry, but for a few that it finds it does not need, are those that are counted."""
+    """The kernels that Numba compiles for an entry, but for a few that it finds it does not need, are those that are
+    counted."""
     from sdf_lights.emitter.primitives.box import box_span
 
     assert jit.reachable(box_span) > {box_span}

@@ -8,8 +8,9 @@ import numpy as np
 
 from ....jit import table
 
-# Where a light path has met a surface that scatters some light diffusely. ``wi`` is the way back to where the light came
-# from, ``normal`` the geometric normal on that side, and ``flux`` the power (RGB, W) that arrives.
+# Where a light path has met a surface that scatters some light diffusely.
+# ``wi`` is the way back to where the light came from, ``normal`` the geometric normal on that side, and ``flux`` the
+# power (RGB, W) that arrives.
 VERTEX = np.dtype(
     [
         ("position", "f8", 3),

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Light paths: from points of lamps on, by emission, with a vertex wherever a surface scatters some light diffusely.
 
-A path carries flux. A surface scatters it by the BSDF that a path from the camera would meet, so a surface is shaded once more
-for the direction that was drawn, with the light where that came from (Veach 1997, section 5.3: adjoint BSDFs). With E = f · |cos| of
-the way back,
+A path carries flux. A surface scatters it by the BSDF that a path from the camera would meet, so a surface is shaded
+once more for the direction that was drawn, with the light where that came from (Veach 1997, section 5.3: adjoint
+BSDFs). With E = f · |cos| of the way back,
 
     flux' = flux · E(ω', ω) |ng · ω'| / (|ng · ω| p(ω')).
 """
@@ -72,8 +72,8 @@ def _start(block, index, total, seed):
 
 @kernel
 def _mirrored(workspace, wi):
-    """What singular closures scatter from wi to the surface's wo, the chance with which they are drawn, and the ratio of
-    the solid angle at wo to that at wi, by the cosines there."""
+    """What singular closures scatter from wi to the surface's wo, the chance with which they are drawn, and the ratio
+    of the solid angle at wo to that at wi, by the cosines there."""
     surface, closures = surface_table(workspace)[0], closure_table(workspace)
     wo, total, chance, ratio = vec(surface.wo), ZERO, 0.0, 1.0
     for index in range(surface.closure_count):
@@ -104,8 +104,9 @@ def _mirrored(workspace, wi):
 
 @kernel
 def _scattered(block, workspace, wi, kind, pdf):
-    """Factor of the flux that came from wi and left along the wo of the workspace's surface, which was drawn with ``pdf``;
-    and the chance that a path from the camera, which scatters from wo to wi, counts this as glossy, not as diffuse."""
+    """Factor of the flux that came from wi and left along the wo of the workspace's surface, which was drawn with
+    ``pdf``; and the chance that a path from the camera, which scatters from wo to wi, counts this as glossy, not as
+    diffuse."""
     surface = surface_table(workspace)[0]
     if kind & TRANSPARENT:
         return scale(vec(surface.transparency), 1.0 / pdf), 0.0
@@ -132,7 +133,8 @@ def _diffuse(block, workspace):
 
 @kernel
 def _trace(block, workspace, index, total, seed, raw, first, width):
-    """Follow one light path, and write its vertices into ``raw`` from ``first`` on, ``width`` at most; returns how many."""
+    """Follow one light path, and write its vertices into ``raw`` from ``first`` on, ``width`` at most; returns how
+    many."""
     surface, secondary = surface_table(workspace)[0], secondary_table(workspace)[0]
     emitter, origin, direction, flux = _start(block, index, total, seed)
     if emitter < 0:
@@ -214,7 +216,8 @@ def _trace(block, workspace, index, total, seed, raw, first, width):
 
 @kernel
 def trace_light_paths(block, workspace, first, last, total, number, width, raw, lengths):
-    """Trace the light paths ``first`` to before ``last`` of ``total``, of pass ``number``, into ``width`` rows of ``raw`` each."""
+    """Trace the light paths
+    ``first`` to before ``last`` of ``total``, of pass ``number``, into ``width`` rows of ``raw`` each."""
     scene, scratch = block[0], workspace[0]
     seed = pixel_seed(PLACE + number, PLACE, scene.seed)
     for index in range(first, last):
@@ -223,7 +226,8 @@ def trace_light_paths(block, workspace, first, last, total, number, width, raw, 
 
 @kernel
 def find_pilots(block, workspace, width, height, places):
-    """Fill ``places`` (count, 3) with what rays of the camera through even points of the picture meet; returns how many."""
+    """Fill ``places`` (count, 3) with what rays of the camera through even points of the picture meet; returns how
+    many."""
     scene, scratch, found = block[0], workspace[0], 0
     clear_self_primitive(ray_table(scratch)[0])
     for index in range(len(places)):
@@ -240,7 +244,8 @@ def find_pilots(block, workspace, width, height, places):
 
 @kernel
 def dim_unseen(block, workspace, vertices, pilots):
-    """Lower the importance of vertices that none or few of the ``pilots`` (count, 3) see: choices count on what is left."""
+    """Lower the importance of vertices that none or few of the ``pilots`` (count, 3) see: choices count on what is
+    left."""
     scene, scratch = block[0], workspace[0]
     clear_self_primitive(ray_table(scratch)[0])
     for index in range(len(vertices)):

@@ -169,7 +169,8 @@ def _begin(block, workspace):
 
 @kernel
 def bounds(block, workspace, what):
-    """An event of the path at the surfaces of media: one of ``dispatch``'s BEGIN …; 1 if it has passed a surface, else 0.
+    """An event of the path at the surfaces of media: one of ``dispatch``'s BEGIN …; 1 if it has passed a surface,
+    else 0.
 
     BEGIN: it leaves the camera. ESCAPE: it hits nothing any more; an open mesh does not fill infinite space. NOTE: it
     has hit the workspace's surface. CROSS: it passes through that. PASS: it passes through the surface that its ray has

@@ -53,8 +53,8 @@ _ADD, _REFINE, _THIN_WALL, _TRANSPARENCY, _SCATTERING, _EVALUATE, _SAMPLE = 2, 3
 
 
 def kinds(lobes: np.ndarray) -> tuple[set[int], set[int], bool, bool, bool]:
-    """For the lobes (n,), rows of ``LOBE``, of a scene: kinds of lobe and of closure in this package, whether Principled has
-    such microfacets, whether it can be a thin wall, and whether it has subsurface scattering."""
+    """For the lobes (n,), rows of ``LOBE``, of a scene: kinds of lobe and of closure in this package, whether
+    Principled has such microfacets, whether it can be a thin wall, and whether it has subsurface scattering."""
     principled = lobes["features"][lobes["kind"] == LOBE_PRINCIPLED]
     refined, thin = bool((principled & WITH_FACETS).any()), bool((principled & WITH_THIN_WALL).any())
     deep = bool((principled & (WITH_SUBSURFACE | WITH_THIN_SCATTERING)).any())
@@ -77,8 +77,8 @@ def methods(lobes: np.ndarray) -> set[int]:
 
 
 def addresses(lobes: np.ndarray, records: tuple) -> np.ndarray:
-    """The table "special_code" of a scene with these lobes (n,), for blocks and workspaces of these ``records``. The code is
-    compiled first and kept for ever."""
+    """The table "special_code" of a scene with these lobes (n,), for blocks and workspaces of these ``records``. The
+    code is compiled first and kept for ever."""
     table = np.zeros(dispatch.PLACES, np.int64)
     found, closures, refined, thin, deep = kinds(lobes)
     if refined:

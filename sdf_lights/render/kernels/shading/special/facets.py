@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Microfacets that ``microfacet.py`` lacks: anisotropic ones, Beckmann's distribution, and thin films.
 
-Heitz 2014, "Understanding the masking-shadowing function in microfacet-based BRDFs", for the anisotropic forms; Walter et al.
-2007, "Microfacet models for refraction through rough surfaces", for Beckmann's.
+Heitz 2014, "Understanding the masking-shadowing function in microfacet-based BRDFs", for the anisotropic forms; Walter
+et al. 2007, "Microfacet models for refraction through rough surfaces", for Beckmann's.
 """
 
 import math

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Hair BSDF: one lobe of reflection or of transmission by a thin fiber, after Marschner et al. 2003, "Light scattering from
-human hair fibers". A Cauchy distribution along the fiber, about the mirror direction; about it a cosine or another Cauchy
-distribution.
+"""Hair BSDF: one lobe of reflection or of transmission by a thin fiber, after Marschner et al. 2003, "Light scattering
+from human hair fibers". A Cauchy distribution along the fiber, about the mirror direction; about it a cosine or another
+Cauchy distribution.
 
 Fields of the closure: the tangent; alpha is the roughness along the fiber, a that around it, b the tilt of its scales.
 """
