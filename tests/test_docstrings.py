@@ -23,7 +23,7 @@ BLENDERS = {
 }
 OF_BLENDER = set(" ".join(BLENDERS.values()).split())
 # The shape of an array, as (n, 3) or 4 × 4, or the docstring that has it.
-SHAPE = re.compile(r"\([^()]*,[^()]*\)|\(…\)|\d ?× ?\d|(?:As|as|See|Replaces)\s(?:for\s|in\s)?``")
+SHAPE = re.compile(r"\([^()]*,[^()]*\)|\(…\)|\d\s*×\s*\d|(?:As|as|See|Replaces)\s(?:for\s|in\s)?``")
 # Errors of expressions are documented once, by ``expression.Expression``; abstract methods raise none to callers.
 EXPRESSION_ERRORS = {"self.error", "self.mismatch", "self.unknown", "Misuse", "ExpressionError", "NotImplementedError"}
 
