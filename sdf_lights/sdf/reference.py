@@ -12,7 +12,7 @@ import math
 import sys
 
 from ..graph.loops import LONGEST_LOOP
-from . import evaluation  # noqa: F401  (registers all words of the language, in the order of the page)
+from . import expression  # noqa: F401  (registers all words of the language, in the order of the page)
 from .builtin_data import DATA
 from .catalogue import grouped
 from .declarations import LIMITS
