@@ -134,7 +134,7 @@ def test_light_below_surfaces():
 def test_shadow_catchers():
     """Under a lamp and a sky, sample by sample."""
 
-    def make() -> scenes.Scene:
+    def make() -> Scene:
         scene = scenes.torus_room(16, 16)
         scene.instances[0].catcher = True
         scene.world = World((0.3, 0.4, 0.6), 0.4)
@@ -171,7 +171,7 @@ def compare_samples(make, passes: tuple[str, ...] = ("Combined",), most: float =
 def test_faces_in_the_same_place():
     """Three instances of one wall: they hide light from each other, as on the CPU."""
 
-    def make() -> scenes.Scene:
+    def make() -> Scene:
         scene = scenes.torus_room(16, 16)
         scene.instances += [dataclasses.replace(scene.instances[0], name=f"again {index}") for index in range(2)]
         return scene

@@ -14,10 +14,11 @@ from sdf_lights.render import session
 from sdf_lights.render.film import Film
 from sdf_lights.render.gpu import lamp_kernels, packed_scene, renderer
 from sdf_lights.render.gpu.device import DeviceError
+from sdf_lights.render.scene import Lamp, Scene
 from sdf_lights.render.settings import Device, LampSampling
 from sdf_lights.sdf.expression import Expression
 from support import scenes
-from support.scenes import Lamp, Scene, camera, settings, translation
+from support.scenes import camera, settings, translation
 from tests.gpu.support import device_or_skip
 
 pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installed")

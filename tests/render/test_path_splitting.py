@@ -9,22 +9,10 @@ import pytest
 
 from sdf_lights.render import sample_allocation, session
 from sdf_lights.render.film import Film
+from sdf_lights.render.scene import Instance, Lamp, Scene
 from sdf_lights.render.settings import MOST_BRANCHES, START_BRANCHES
 from sdf_lights.sdf.shapes import Torus
-from support.scenes import (
-    Instance,
-    Lamp,
-    Scene,
-    camera,
-    diffuse,
-    material,
-    quad,
-    rotation,
-    scaling,
-    settings,
-    sphere,
-    translation,
-)
+from support.scenes import camera, diffuse, material, quad, rotation, scaling, settings, sphere, translation
 
 SIZE = 24
 

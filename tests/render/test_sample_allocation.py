@@ -9,21 +9,9 @@ import pytest
 
 from sdf_lights.render import sample_allocation, session
 from sdf_lights.render.film import LEAST_SAMPLES, Film
+from sdf_lights.render.scene import Instance, Lamp, Scene
 from sdf_lights.sdf.shapes import Torus
-from support.scenes import (
-    Instance,
-    Lamp,
-    Scene,
-    box,
-    camera,
-    diffuse,
-    material,
-    quad,
-    scaling,
-    settings,
-    sphere,
-    translation,
-)
+from support.scenes import box, camera, diffuse, material, quad, scaling, settings, sphere, translation
 
 SIZE = 40
 

@@ -11,20 +11,8 @@ from sdf_lights.render import session
 from sdf_lights.render.kernels.subsurface import disk, walk
 from sdf_lights.render.material import Material, Node
 from sdf_lights.render.reference.subsurface import medium
-from sdf_lights.render.scene import Scene, World
-from support.scenes import (
-    Instance,
-    box,
-    camera,
-    diffuse,
-    material,
-    rotation,
-    scaling,
-    settings,
-    sphere,
-    torus_lamp,
-    translation,
-)
+from sdf_lights.render.scene import Instance, Scene, World
+from support.scenes import box, camera, diffuse, material, rotation, scaling, settings, sphere, torus_lamp, translation
 
 COLOR = (0.7, 0.5, 0.3)
 
