@@ -18,7 +18,7 @@ from scipy import stats
 from sdf_lights import jit
 from sdf_lights.render.film import NO_DEPTH, Film
 from sdf_lights.render.material import Node
-from sdf_lights.render.scene import Primitive, World
+from sdf_lights.render.scene import Primitive, Scene, World
 from sdf_lights.render.settings import LampPaths, LampSampling, Settings
 from support import scenes
 from support.blocks import means
