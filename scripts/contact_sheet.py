@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Renders every shape, and every example expression, as a lit lamp, and puts the pictures on sheets with their names."""
+"""Renders every shape, and every example expression, as a lit lamp, and puts the pictures on sheets with their
+names."""
 
 from __future__ import annotations
 

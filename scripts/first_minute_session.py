@@ -1,12 +1,14 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What artist_screenshots runs in a Blender whose user folders are empty: a zip is installed and used for the first time.
+"""What artist_screenshots runs in a Blender whose user folders are empty: a zip is installed and used for the first
+time.
 
     blender --background --python first_minute_session.py -- REPORT.json ZIP
     blender --enable-event-simulate --python first_minute_session.py -- REPORT.json ZIP FOLDER
 
-BLENDER_USER_RESOURCES names an empty folder, SDF_LIGHTS_CACHE one for kernels. Without a window the kernels of a picture are
-compiled, as a zip ships them. With one, pictures of the first minute are taken; the report has the seconds of each.
+BLENDER_USER_RESOURCES names an empty folder, SDF_LIGHTS_CACHE one for kernels. Without a window the kernels of a
+picture are compiled, as a zip ships them. With one, pictures of the first minute are taken; the report has the seconds
+of each.
 """
 
 import importlib
@@ -99,6 +101,6 @@ def steps():
 
 if bpy.app.background:
     install()
-    part("render.cpu.ahead").main(["lamps", "paths"])
+    part("render.cpu.precompile").main(["lamps", "paths"])
 else:
     run(steps())

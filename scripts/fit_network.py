@@ -1,8 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Fits a network of sines to a shape, for lamps with Source: Network. With NumPy alone, where a seed gives one network, or by PyTorch.
+"""Fits a network of sines to a shape, for lamps with Source: Network. With NumPy alone, where a seed gives one network,
+or by PyTorch.
 
-python fit_network.py SOURCE OUT.npz [--object NAME] [--width 32] [--layers 2] [--omega 10] [--steps 4000] [--seed 0] [--torch]
+python fit_network.py SOURCE OUT.npz [--object NAME] [--width 32] [--layers 2] [--omega 10] [--steps 4000] [--seed 0]
+[--torch]
 
 SOURCE is a mesh (.obj, .ply, .stl), a .blend with --object, or a text file with an expression (.txt).
 """
@@ -27,7 +29,8 @@ POOL = 1 << 18  # points
 NEAR = 0.1  # half sides from the surface at which points are a third as frequent
 RATES = 3e-3, 3e-5  # of learning, at the beginning and at the end
 MOMENTS = 0.9, 0.99
-DECAY = 0.15  # of weights, times the rate (Loshchilov and Hutter 2019): small weights have close bounds, so rays take fewer steps
+# of weights, times the rate (Loshchilov and Hutter 2019): small weights have close bounds, so rays take fewer steps
+DECAY = 0.15
 MARGIN = 0.1  # around the shape, of half its longest side
 
 
@@ -74,7 +77,8 @@ def fit(
     say=lambda text: None,
     with_torch: bool = False,
 ) -> Siren:
-    """A network whose field is near that of the shape: least squares by Adam (Kingma and Ba 2015), near its surface above all."""
+    """A network whose field is near that of the shape: least squares by Adam (Kingma and Ba 2015), near its surface
+    above all."""
     rng = np.random.default_rng(seed)
     low, high = shape.bounds()
     middle, half = 0.5 * (low + high), 0.5 * (high - low)

@@ -40,7 +40,8 @@ def windowed_blender() -> list[str] | None:
 
 
 def python_of(command: list[str]) -> str:
-    """Version of the Python in the Blender that ``command`` opens, such as "3.13". Raises RuntimeError if it does not start."""
+    """Version of the Python in the Blender that ``command`` opens, such as "3.13". Raises RuntimeError if it does not
+    start."""
     told = subprocess.run(
         [*command, "--background", "--python-expr", "import sys; print('Python', *sys.version_info[:2])"],
         capture_output=True,

@@ -16,7 +16,7 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
-GROUPS = ("paths", "lamps", "parts")  # of ``sdf_lights.render.cpu.ahead``: one process each
+GROUPS = ("paths", "lamps", "special")  # of ``sdf_lights.render.cpu.precompile``: one process each
 KEPT = "*/*/*.kernel"
 
 
@@ -47,7 +47,7 @@ def compiled(
 
     def compile_group(group: str) -> None:
         subprocess.run(
-            [python, "-m", "sdf_lights.render.cpu.ahead", group],
+            [python, "-m", "sdf_lights.render.cpu.precompile", group],
             cwd=sources,
             env=_environment(folder / group),
             check=True,

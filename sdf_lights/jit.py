@@ -356,7 +356,7 @@ def block_dtype(tables: dict[str, np.dtype], scalars: list[tuple] = ()) -> np.dt
 
 
 def fill_table(block: np.ndarray, name: str, array: np.ndarray) -> None:
-    """Point table ``name`` of the one-element ``block`` at ``array``, which the caller keeps alive."""
+    """Point table ``name`` of the ``block`` (1,) at ``array`` (n,), which the caller keeps alive."""
     assert array.flags.c_contiguous and array.ndim == 1
     block[name + "_address"] = array.ctypes.data
     block[name + "_count"] = len(array)

@@ -3,8 +3,8 @@
 """Compiled kernels on disk: one file each, whose checksum is verified before its content is read.
 
 A file is written under a temporary name, flushed and renamed, so a second process or a crash never leaves half a file.
-A damaged file, or one that could be another user's work, is deleted and compiled again: ``refused`` says so. If the folder
-cannot be written, only compile time is lost: ``problem`` says so, and nothing fails.
+A damaged file, or one that could be another user's work, is deleted and compiled again: ``refused`` says so. If the
+folder cannot be written, only compile time is lost: ``problem`` says so, and nothing fails.
 """
 
 from __future__ import annotations
@@ -59,8 +59,8 @@ def note(folder: pathlib.Path, error: OSError) -> None:
 
 
 def cache_folder() -> pathlib.Path:
-    """Folder for compiled kernels: ``SDF_LIGHTS_CACHE`` (set by the extension to its own user folder), or the user's cache
-    folder."""
+    """Folder for compiled kernels: ``SDF_LIGHTS_CACHE`` (set by the extension to its own user folder), or the user's
+    cache folder."""
     root = os.environ.get("SDF_LIGHTS_CACHE")
     if root:
         return pathlib.Path(root)

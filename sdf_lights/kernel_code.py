@@ -97,7 +97,7 @@ def target() -> tuple:
 @functools.cache
 def _imports(path: pathlib.Path) -> frozenset[pathlib.Path]:
     """Source files of the package that the source file ``path`` imports directly."""
-    found = set()
+    found: set[str] = set()
     for dots, module, names in _IMPORT.findall(path.read_text(encoding="utf-8")):
         # Only tests, which are outside the package, import it absolutely.
         root = path.parents[len(dots) - 1] if dots.startswith(".") else ROOT

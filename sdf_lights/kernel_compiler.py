@@ -134,8 +134,8 @@ class _Entry(_Library):
                 found = [other for other in library._linking_libraries if other not in reached]
                 reached |= dict.fromkeys(found)
                 pending += found
-        # Reference counts, so that the code needs no other code of Numba's generator. They come last: LLVM links of such functions
-        # only those that the code names already.
+        # Reference counts, so that the code needs no other code of Numba's generator. They come last: LLVM links of
+        # such functions only those that the code names already.
         reached.pop(rtsys.library, None)
         self._linking_libraries = [*reached, rtsys.library]
         super().finalize()

@@ -169,7 +169,8 @@ def process_symbol(name: str) -> int:
 
 @functools.cache
 def numba_library(name: str):
-    """A library of Numba, which is a Python module in C: without Numba's Python modules, which take half a second."""
+    """A library of Numba, which is a Python module in C: without Numba's Python modules, which take half a second.
+    Raises ImportError if there is none."""
     if not AVAILABLE or name in sys.modules:
         return importlib.import_module(name)
     found = importlib.util.find_spec("numba")

@@ -87,7 +87,7 @@ float hit_triangle(Line line, vec3 a, vec3 b, vec3 c, out vec2 uv)
     return slope == 0.0 ? -1.0 : dot(a, normal) / slope;
 }
 
-// As kernels.departure.number_of.
+// As kernels.ray_origins.number_of.
 uint number_of(int instance, int primitive) { return uint(instance) * 0x9E3779B1u + uint(primitive) + 1u; }
 
 #ifdef STRANDS

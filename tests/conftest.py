@@ -36,7 +36,8 @@ def blender_command() -> list[str]:
 
 @pytest.fixture
 def openvdb(monkeypatch, tmp_path_factory):
-    """OpenVDB's module: Blender's, or Debian's alone of all that Debian has. The test is skipped where there is none."""
+    """OpenVDB's module: Blender's, or Debian's alone of all that Debian has. The test is skipped where there is
+    none."""
     folder = tmp_path_factory.mktemp("openvdb")
     for path in pathlib.Path("/usr/lib/python3/dist-packages").glob("pyopenvdb*.so"):
         (folder / path.name).symlink_to(path)

@@ -49,7 +49,7 @@ def test_methods_of_numba_take_what_they_took(cls, base, name):
     assert variadic or len(required) <= len(ours)
 
 
-# -- what is private -----------------------------------------------------------------------------------------------------
+# -- what is private ---------------------------------------------------------------------------------------------------
 
 
 def square(x):
@@ -57,7 +57,8 @@ def square(x):
 
 
 def of_numba() -> dict[str, tuple]:
-    """Names that begin with an underscore, or that no documentation has, of things of Numba as they are made; by the thing."""
+    """Names that begin with an underscore, or that no documentation has, of things of Numba as they are made; by the
+    thing."""
     from numba.core import types
     from numba.core.ccallback import CFunc
     from numba.core.registry import CPUDispatcher, cpu_target
@@ -127,7 +128,8 @@ def test_what_numba_calls_is_found_without_it(name):
     assert machine_code.process_symbol(name) == binding.address_of_symbol(name) != 0
 
 
-LEFT_OUT = {  # what Numba does for code that kernels do not have: closures, ``with``, exceptions, lists of literals, overloads
+# what Numba does for code that kernels do not have: closures, ``with``, exceptions, lists of literals, overloads
+LEFT_OUT = {
     "WithLifting",
     "InlineClosureLikes",
     "RewriteSemanticConstants",

@@ -24,10 +24,11 @@ FAULTS = tuple(
 SUITE = ("tests/blender", "tests/render/shading/test_cycles.py", "tests/test_canaries.py")
 NODES = "tests/blender/test_shader_nodes.py"
 NEWEST = "5.2"
-# Of the Blender that `scripts/test` uses without arguments, its fast tests have been run. The newest has all the others. The
-# oldest has the fast ones, and all nodes of values, as nodes are what changes from one version to the next. Between these
-# two only what is wrong in files, and what fails, is tried.
-JOBS = (  # Blender, pytest's arguments; long ones first, of one Python one after the other, as the first of them compiles
+# Of the Blender that `scripts/test` uses without arguments, its fast tests have been run. The newest has all the
+# others. The oldest has the fast ones, and all nodes of values, as nodes are what changes from one version to the next.
+# Between these two only what is wrong in files, and what fails, is tried.
+# Blender, pytest's arguments; long ones first, of one Python one after the other, as the first of them compiles
+JOBS = (
     (NEWEST, ("-m", "not slow and not gui and not matrix", *SUITE)),
     ("4.5", ("-m", "not slow and not gui and not matrix", *SUITE)),
     (NEWEST, ("-m", "slow and not gui and not matrix", NODES)),

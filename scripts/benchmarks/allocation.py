@@ -10,6 +10,7 @@ over pixels depend on the seeds, so there is a second figure, without the noisie
 
 from __future__ import annotations
 
+import math
 import statistics
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -19,8 +20,8 @@ import host
 import numpy as np
 
 from . import artist_scenes, beside_cycles, errors, lamp_scenes, pictures, simple_scenes, some_of
-from .progress import Progress
-from .resume import Parts
+from .resume import in_parts
+from .turns import in_turns, stack_of, work_of
 
 HELP = "the gain of each term of sample allocation and path splitting, on scenes with and without lamps"
 
@@ -33,9 +34,27 @@ SAMPLES, QUICK_SAMPLES = 32, 16
 SEEDS, QUICK_SEEDS = 6, 3
 OUTLIERS = 1 / 500
 
-# The terms that are switched off, and their text in the document: settings of the scene, or values of
+
+def ears(noise, alike, samples: int, rates, branches) -> tuple[np.ndarray, np.ndarray]:
+    """As ``sample_allocation._best``, by EARS (Rath et al. 2022, "EARS: efficiency-aware Russian roulette and
+    splitting").
+
+    The splitting factor is √(I / m) · √(T / V). T and V are the mean time and the mean variance of a sample of the
+    whole picture. Both depend on the factors, so this is a fixed point. All pixels take the same number of samples.
+    """
+    count = np.ones(len(noise.first))
+    for _ in range(64 if len(branches) > 1 else 0):
+        time = noise.cost + noise.met * count[noise.known].mean()
+        variance = (noise.first + noise.second / count)[noise.known].mean()
+        factor = np.sqrt(noise.second / max(noise.met, 1e-9) * time / max(variance, 1e-30))
+        count = np.clip(factor, 1.0, branches[-1])
+    return np.ones(len(count)), np.rint(count)
+
+
+# The terms that are switched off or replaced, and their text in the document: settings of the scene, or values of
 # ``sample_allocation``.
 ALL = "all"
+NEIGHBOURS = (1.0, 2.0, 1.0)
 TERMS: dict[str, tuple[str, dict, dict]] = {
     "splitting": ("paths do not divide", dict(indirect_paths=1), {}),
     "guidance": ("all pixels take the same number of samples", dict(guided_samples=False), {}),
@@ -52,6 +71,20 @@ TERMS: dict[str, tuple[str, dict, dict]] = {
         dict(first_pixels=lambda film, settings: None),
     ),
     "gains": ("both as soon as they promise anything", {}, dict(SPLITTING_GAIN=1.0, GUIDANCE_GAIN=1.0)),
+    "cut_cost": ("the boxes of lamps count as no time", {}, dict(CUT_COST=0.0)),
+    "telling": ("no pixel divides only to show how branches scatter", {}, dict(PART=0.0)),
+    "rates": ("pixels take from half to twice the set number of samples", {}, dict(MOST_RATE=2.0)),
+    "neighbours": ("only the eight nearest neighbours count", {}, dict(NEAR=NEIGHBOURS, FAR=NEIGHBOURS)),
+    "ears": (
+        "splitting as in EARS (Rath et al. 2022), the same number of samples for all pixels",
+        dict(guided_samples=False),
+        dict(_best=ears, SPLITTING_GAIN=math.inf),
+    ),
+    "two_halves": (
+        "adaptive sampling by two halves, as in Cycles (Dammertz et al. 2010), with a noise threshold of 0.05",
+        dict(guided_samples=False, noise_threshold=0.05),
+        {},
+    ),
 }
 
 
@@ -98,7 +131,7 @@ def _render(name: str, scene, term: str, samples: int, seed: int, device: str) -
         simple_scenes.plain_sdf_lights(scene, samples, BOUNCES, device)
         scene.sdf_lights.seed = seed
     chosen, values = TERMS[term][1:] if term != ALL else ({}, {})
-    for setting, value in (dict(indirect_paths=0, guided_samples=True) | chosen).items():
+    for setting, value in (dict(indirect_paths=0, guided_samples=True, noise_threshold=0.0) | chosen).items():
         setattr(scene.sdf_lights, setting, value)
     with _without(values):
         return pictures.render()
@@ -112,12 +145,11 @@ def measure(name: str, terms: list[str], options) -> list[dict]:
     variants = [ALL, *terms]
     _render(name, scene, ALL, 1, 0, options.device)  # compiles, and fills caches
     start = statistics.median(_render(name, scene, "both", 1, 0, options.device).work for _ in range(3))
-    made: dict[str, list[pictures.Picture]] = {term: [] for term in variants}
-    for seed in range(max(seeds, 2)):
-        for term in variants:
-            made[term].append(_render(name, scene, term, samples, seed, options.device))
-    stacks = {term: np.array([picture.pixels for picture in pile]) for term, pile in made.items()}
-    work = {term: max(statistics.median(picture.work for picture in pile) - start, 1e-6) for term, pile in made.items()}
+    made = in_turns(
+        variants, range(max(seeds, 2)), lambda term, seed: _render(name, scene, term, samples, seed, options.device)
+    )
+    stacks = {term: stack_of(pile) for term, pile in made.items()}
+    work = {term: max(work_of(pile) - start, 1e-6) for term, pile in made.items()}
     return [dict(allocation_scene=name, without=term) | gain for term, gain in gains_of(stacks, work).items()]
 
 
@@ -125,7 +157,8 @@ def gains_of(stacks: dict[str, np.ndarray], work: dict[str, float]) -> dict[str,
     """The gain of each term, from pictures (seeds, height, width, channels) and seconds of each variant, ALL among
     them.
 
-    ``gain``: error × time without the term, over that with all; ``gain_of_most``: without the noisiest pixels; ``time`` alone.
+    ``gain``: error × time without the term, over that with all; ``gain_of_most``: without the noisiest pixels; ``time``
+    alone.
     """
     mean = np.mean([stack.mean(axis=0) for stack in stacks.values()], axis=0)
     floor = mean**2 + errors.FLOOR * mean.mean() ** 2
@@ -142,7 +175,8 @@ def gains_of(stacks: dict[str, np.ndarray], work: dict[str, float]) -> dict[str,
 
 
 def summary_of(rows: list[dict]) -> dict:
-    """Geometric means by term, of scenes of lamps and of others, and the least of all; of all pixels but the noisiest."""
+    """Geometric means by term, of scenes of lamps and of others, and the least of all; of all pixels but the
+    noisiest."""
     summary = {}
     for term in TERMS:
         for kind, names in (("lamps", LAMPS), ("ordinary", ORDINARY)):
@@ -171,13 +205,8 @@ def document(rows: list[dict]) -> None:
 def run(options) -> tuple[dict, list[dict]]:
     names = options.only or list(QUICK if options.quick else (*LAMPS, *ORDINARY))
     terms = options.terms or list(TERMS)
-    progress, parts, rows = Progress(len(names)), Parts(options), []
-    for name in names:
-        progress.show(name)
-        rows += parts.of(name, lambda: measure(name, terms, options))
-        progress.step()
-    parts.finish()
-    progress.close()
+    found = in_parts(names, lambda name: measure(name, terms, options), options)
+    rows = [row for part in found for row in part]
     if options.document_allocation:
         document(rows)
     return summary_of(rows), rows

@@ -11,14 +11,12 @@ times, medians of the turns.
 from __future__ import annotations
 
 import dataclasses
-import functools
 import statistics
 import time
 
 import numpy as np
 
-from .progress import Progress
-from .resume import Parts
+from .resume import in_parts
 
 HELP = "milliseconds to build a lamp of every primitive and fractal, of 20 parts, and of the worked examples"
 
@@ -134,13 +132,7 @@ def measure(kind: str, name: str, make, turns: int) -> dict:
 def run(options) -> tuple[dict, list[dict]]:
     turns = options.repeats or (1 if options.quick else TURNS)
     cases = _cases()
-    progress, parts, rows = Progress(len(cases)), Parts(options), []
-    for kind, name, make in cases:
-        progress.show(name)
-        rows.append(parts.of(f"{kind} {name}", functools.partial(measure, kind, name, make, turns)))
-        progress.step()
-    parts.finish()
-    progress.close()
+    rows = in_parts(cases, lambda kind, name, make: measure(kind, name, make, turns), options)
     worst = {kind: max(row["ms"] for row in rows if row["kind"] == kind) for kind in KINDS}
     return dict(
         build_ms_worst_primitive=worst["primitive"],

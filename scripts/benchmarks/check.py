@@ -14,9 +14,8 @@ import json
 import pathlib
 
 from . import some_of
-from .progress import Progress
 from .ratios import RATIOS
-from .resume import Parts
+from .resume import in_parts
 
 HELP = "efficiency against committed ratios; exit code 1 where more than 20 % is lost"
 
@@ -75,13 +74,7 @@ def complaints(rows: list[dict]) -> list[str]:
 def run(options) -> tuple[dict, list[dict]]:
     names = options.ratios or [name for name, ratio in RATIOS.items() if ratio.quick or not options.quick]
     committed = {} if options.write else expected()
-    progress, parts, found = Progress(len(names)), Parts(options), {}
-    for name in names:
-        progress.show(name)
-        found[name] = parts.of(name, lambda: measured(name, committed.get(name)))
-        progress.step()
-    parts.finish()
-    progress.close()
+    found = dict(zip(names, in_parts(names, lambda name: measured(name, committed.get(name)), options)))
     if options.write:
         found = {name: float(f"{value:.4g}") for name, value in found.items()}
         kept = {name: value for name, value in expected().items() if name in RATIOS}

@@ -48,7 +48,8 @@ def flip(picture: np.ndarray, reference: np.ndarray) -> float | None:
 
 
 def flip_of_shown(picture: np.ndarray, reference: np.ndarray) -> float | None:
-    """LDR-FLIP of two pictures as a screen shows them, in [0, 1]; None where the package flip-evaluator is not installed."""
+    """LDR-FLIP of two pictures as a screen shows them, in [0, 1]; None where the package flip-evaluator is not
+    installed."""
     # Threads of OpenMP that wait must not spin: the next render is timed.
     os.environ.setdefault("OMP_WAIT_POLICY", "passive")
     try:

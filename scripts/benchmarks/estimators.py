@@ -21,8 +21,7 @@ from sdf_lights.sdf.shapes.fractals import MengerSponge
 from support.rivals import baselines
 from support.rivals.baselines import DIMENSIONS, EVEN, SHELL_EMISSION, LampBlock, Technique
 
-from .progress import Progress
-from .resume import Parts
+from .resume import in_parts
 
 HELP = "error times time of samplers of directions to a lamp, at points"
 
@@ -137,13 +136,7 @@ def measure(name: str, group: str, shape, x, n, emission, options) -> list[dict]
 
 
 def run(options) -> tuple[dict, list[dict]]:
-    progress, parts, rows = Progress(len(CASES)), Parts(options), []
-    for case in CASES:
-        progress.show(case[0])
-        rows += parts.of(case[0], functools.partial(measure, *case, options))
-        progress.step()
-    parts.finish()
-    progress.close()
+    rows = [row for part in in_parts(CASES, lambda *case: measure(*case, options), options) for row in part]
     gains = {
         row["case"]: (row["group"], math.sqrt(row["gain_64"] * row["gain_256"]))
         for row in rows

@@ -10,17 +10,17 @@ cuts, too, although the GPU has none by default.
 from __future__ import annotations
 
 import contextlib
+import itertools
 import statistics
 
 import bpy
 import host
-import numpy as np
 
 from sdf_lights.render.settings import LampSampling
 
 from . import errors, lamp_scenes, pictures, simple_scenes, some_of
-from .progress import Progress
-from .resume import Parts
+from .resume import in_parts
+from .turns import in_turns, stack_of, work_of
 
 HELP = "variance times time of samplers of lamps on the GPU"
 
@@ -61,19 +61,17 @@ def measure(name: str, options) -> dict:
         bpy.context.scene.sdf_lights.seed, bpy.context.scene.sdf_lights.lamp_sampling = seed, sampler
         return pictures.render()
 
-    made = {(sampler, samples): [] for sampler in SAMPLERS for samples in (FEW, many)}
     with cuts_with(options.cut_bounces):
         for sampler in SAMPLERS:
             render(sampler, 1, 0)  # compiles
-        for seed in range(repeats):
-            for sampler, samples in made:
-                made[sampler, samples].append(render(sampler, samples, seed))
+        pairs = itertools.product(SAMPLERS, (FEW, many))
+        made = in_turns(pairs, range(repeats), lambda pair, seed: render(*pair, seed))
     row = dict(scene=name)
     for sampler in SAMPLERS:
-        short, long = ([picture.work for picture in made[sampler, samples]] for samples in (FEW, many))
-        pixels = np.array([picture.pixels for picture in made[sampler, many]])
+        short, long = (work_of(made[sampler, samples]) for samples in (FEW, many))
+        pixels = stack_of(made[sampler, many])
         # If other work disturbs short renders, the longer ones may seem faster.
-        row[f"{sampler}_seconds"] = max(statistics.median(long) - statistics.median(short), 1e-9) / (many - FEW)
+        row[f"{sampler}_seconds"] = max(long - short, 1e-9) / (many - FEW)
         row[f"{sampler}_variance"] = errors.rel_variance(pixels.var(axis=0, ddof=1), pixels.mean(axis=0))
         row[f"{sampler}_mean"] = float(pixels.mean())
     mis, cut = (row[f"{sampler}_seconds"] * row[f"{sampler}_variance"] for sampler in SAMPLERS)
@@ -82,11 +80,5 @@ def measure(name: str, options) -> dict:
 
 def run(options) -> tuple[dict, list[dict]]:
     names = options.cut_scenes or (["S1"] if options.quick else ["S1", "S3", "S5"])
-    progress, parts, rows = Progress(len(names)), Parts(options), []
-    for name in names:
-        progress.show(name)
-        rows.append(parts.of(name, lambda: measure(name, options)))
-        progress.step()
-    parts.finish()
-    progress.close()
+    rows = in_parts(names, lambda name: measure(name, options), options)
     return dict(gpu_cut_gain=statistics.geometric_mean(row["gain"] for row in rows)), rows

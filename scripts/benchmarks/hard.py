@@ -8,8 +8,7 @@ import time
 
 from . import some_of
 from .hard_cases import CASES
-from .progress import Progress
-from .resume import Parts
+from .resume import in_parts
 
 HELP = "cases in which light is easily wrong or expensive, each with a figure and its limit"
 
@@ -57,13 +56,7 @@ def complaints(rows: list[dict]) -> list[str]:
 
 def run(options) -> tuple[dict, list[dict]]:
     names = options.cases or list(CASES)
-    progress, parts, rows = Progress(len(names)), Parts(options), []
-    for name in names:
-        progress.show(name)
-        rows.append(parts.of(name, lambda: measured(name, options.quick)))
-        progress.step()
-    parts.finish()
-    progress.close()
+    rows = in_parts(names, lambda name: measured(name, options.quick), options)
     summary = dict(hard_cases=len(rows), hard_cases_failed=len(complaints(rows)))
     ratios = {
         f"{row['case'].replace('-', '_')}_ratio": row["figure"]

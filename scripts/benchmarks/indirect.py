@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The gain of light paths: error × time without them, over that with the automatic choice, in rooms that lamps light by way
-of walls and in scenes where they should not be used. And error × time of Cycles and of the paper's sampler over ours: see
-``indirect_rivals``.
+"""The gain of light paths: error × time without them, over that with the automatic choice, in rooms that lamps light by
+way of walls and in scenes where they should not be used. And error × time of Cycles and of the paper's sampler over
+ours: see ``indirect_rivals``.
 
-As in ``allocation``, the error is the variance of renders with different seeds, and both variants take turns. The time is
-the processor time of a whole render, with all that light paths need before the first sample.
+As in ``allocation``, the error is the variance of renders with different seeds, and both variants take turns. The time
+is the processor time of a whole render, with all that light paths need before the first sample.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ from . import (
     simple_scenes,
     some_of,
 )
-from .progress import Progress
-from .resume import Parts
+from .resume import in_parts
+from .turns import in_turns, stack_of, work_of
 
 HELP = "the gain of light paths in rooms that lamps light by way of walls, and what they lose elsewhere"
 
@@ -79,13 +79,14 @@ def measure(name: str, options) -> dict:
     seeds = max(options.repeats or (QUICK_SEEDS if options.quick else SEEDS), 2)
     for variant in (WITHOUT, AUTOMATIC):
         _render(name, scene, variant, 2, 0, options.device)  # compiles, and fills caches
-    made: dict[str, list[pictures.Picture]] = {WITHOUT: [], AUTOMATIC: []}
-    for seed in range(seeds):
-        for variant, pile in made.items():
-            pile.append(_render(name, scene, variant, samples, seed, options.device))
+    made = in_turns(
+        (WITHOUT, AUTOMATIC),
+        range(seeds),
+        lambda variant, seed: _render(name, scene, variant, samples, seed, options.device),
+    )
     row = dict(indirect_scene=name, samples=samples) | row_of(
-        {variant: np.array([picture.pixels for picture in pile]) for variant, pile in made.items()},
-        {variant: statistics.median(picture.work for picture in pile) for variant, pile in made.items()},
+        {variant: stack_of(pile) for variant, pile in made.items()},
+        {variant: work_of(pile) for variant, pile in made.items()},
     )
     seeds = QUICK_RIVALS_SEEDS if options.quick else RIVALS_SEEDS
     rivals = _rivals(name, options.device) if options.rivals else {}
@@ -107,9 +108,9 @@ def _rivals(name: str, device: str) -> dict[str, indirect_rivals.Rival]:
 def row_of(stacks: dict[str, np.ndarray], work: dict[str, float]) -> dict:
     """Figures of pictures (seeds, height, width, channels) and seconds of both variants.
 
-    ``gain`` and ``gain_of_most``: see ``allocation.gains_of``. ``time``: with over without. ``percentile``, ``worst``: the 99.9th percentile
-    and the greatest of the errors of pixels, with over without. ``deviation``: of the means, in standard errors.
-    ``used``: whether the choice has changed anything.
+    ``gain`` and ``gain_of_most``: see ``allocation.gains_of``. ``time``: with over without. ``percentile``, ``worst``:
+    the 99.9th percentile and the greatest of the errors of pixels, with over without.
+    ``deviation``: of the means, in standard errors. ``used``: whether the choice has changed anything.
     """
     names = {WITHOUT: "without", AUTOMATIC: allocation.ALL}
     gains = allocation.gains_of(
@@ -137,12 +138,12 @@ def row_of(stacks: dict[str, np.ndarray], work: dict[str, float]) -> dict:
 
 
 def summary_of(rows: list[dict]) -> dict:
-    """``rooms_gain_min`` and ``…_geomean``: of rooms. ``loss_max``: the greatest error × time with the automatic choice over
-    that without light paths, of all scenes. ``used_elsewhere``: in how many other scenes light paths are used.
+    """``rooms_gain_min`` and ``…_geomean``: of rooms. ``loss_max``: the greatest error × time with the automatic choice
+    over that without light paths, of all scenes. ``used_elsewhere``: in how many other scenes light paths are used.
 
-    Error × time over ours: ``mse_ratio_cycles_bounces_…`` of Cycles' emission volumes and ``mse_ratio_paper_bounces_…`` of the paper's sampler in
-    S1 to S5, ``rooms_ratio_cycles_min`` of Cycles' mesh lights in rooms, the better one of path guiding and none,
-    ``interiors_ratio_cycles_…`` in rooms without SDF lamps.
+    Error × time over ours: ``mse_ratio_cycles_bounces_…`` of Cycles' emission volumes and ``mse_ratio_paper_bounces_…``
+    of the paper's sampler in S1 to S5, ``rooms_ratio_cycles_min`` of Cycles' mesh lights in rooms, the better one of
+    path guiding and none, ``interiors_ratio_cycles_…`` in rooms without SDF lamps.
     """
     rooms = [row["gain"] for row in rows if row["indirect_scene"] in ROOMS]
     summary = dict(loss_max=max(1.0 / row["gain"] for row in rows))
@@ -174,13 +175,7 @@ def document(rows: list[dict]) -> None:
 
 def run(options) -> tuple[dict, list[dict]]:
     names = options.rooms or list(QUICK if options.quick else SCENES)
-    progress, parts, rows = Progress(len(names)), Parts(options), []
-    for name in names:
-        progress.show(name)
-        rows.append(parts.of(name, lambda: measure(name, options)))
-        progress.step()
-    parts.finish()
-    progress.close()
+    rows = in_parts(names, lambda name: measure(name, options), options)
     if options.document_indirect:
         document(rows)
     return summary_of(rows), rows

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Other methods for the scenes of ``indirect``: Cycles and the paper's sampler, by error × time over ours.
 
-A rival takes as many samples as fit into the time of our render, with all that comes before the first sample. No reference is needed:
-the error is the variance of renders with different seeds, relative as in ``errors.rel_mse``.
+A rival takes as many samples as fit into the time of our render, with all that comes before the first sample. No
+reference is needed: the error is the variance of renders with different seeds, relative as in ``errors.rel_mse``.
 """
 
 from __future__ import annotations
@@ -59,7 +59,8 @@ def by_cycles(bounces: int, surfaces: bool = False, guiding: bool = False) -> Ri
 
 
 def by_paper(bounces: int, device: str) -> Rival:
-    """Our engine with the paper's sampler of lamps: paths split, samples are allocated and light paths are used as with ours."""
+    """Our engine with the paper's sampler of lamps: paths split, samples are allocated and light paths are used as with
+    ours."""
 
     def render(samples: int, seed: int) -> pictures.Picture:
         scene = bpy.context.scene
@@ -86,7 +87,8 @@ def by_cycles_defaults(device: str) -> Rival:
 
 
 def build_interior(name: str, size: int) -> bpy.types.Scene:
-    """A room without SDF lamps; "demo_points" is the room of the demo, whose lamps are point lights of the same power."""
+    """A room without SDF lamps; "demo_points" is the room of the demo, whose lamps are point lights of the same
+    power."""
     if name != "demo_points":
         return artist_scenes.build(name, size)
     host.register_extension()
@@ -101,7 +103,8 @@ def build_interior(name: str, size: int) -> bpy.types.Scene:
 
 
 def cost(made: list[pictures.Picture]) -> float:
-    """Error × time: the variance of pictures of several seeds, relative to their mean, times the median of their times."""
+    """Error × time: the variance of pictures of several seeds, relative to their mean, times the median of their
+    times."""
     stack = np.array([picture.pixels for picture in made])
     variance = stack.var(axis=0, ddof=1)
     return errors.rel_variance(variance, stack.mean(axis=0)) * statistics.median(picture.work for picture in made)

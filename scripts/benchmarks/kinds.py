@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lamps that data make: whether rays find every entry and exit, what a ray costs, how long a grid takes to build, and the error of
-direct light at equal time beside Cycles.
+"""Lamps that data make: whether rays find every entry and exit, what a ray costs, how long a grid takes to build, and
+the error of direct light at equal time beside Cycles.
 
-Texts, curves and meshes are Blender's own objects, read as lamps read them. The oracle is that of ``intervals``; Cycles renders
-them as ``lamps`` has it, as volumes in meshes.
+Texts, curves and meshes are Blender's own objects, read as lamps read them. The oracle is that of
+``intervals``; Cycles renders them as ``lamps`` has it, as volumes in meshes.
 """
 
 from __future__ import annotations

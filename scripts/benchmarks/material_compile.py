@@ -35,7 +35,7 @@ def measured(quick: bool) -> dict[str, float]:
         cold, graphs, _ = _in_new_process(cache, quick)
         warm, _, changed = _in_new_process(cache, quick)
     with tempfile.TemporaryDirectory(dir=work_folder()) as cache:
-        shipped = [sys.executable, "-m", "sdf_lights.render.cpu.ahead", "parts"]
+        shipped = [sys.executable, "-m", "sdf_lights.render.cpu.precompile", "special"]
         environment = os.environ | {"SDF_LIGHTS_CACHE": cache}
         subprocess.run(shipped, cwd=host.REPOSITORY, env=environment, check=True, stdout=subprocess.DEVNULL)
         installed, _, _ = _in_new_process(cache, quick)

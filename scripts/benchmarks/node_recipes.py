@@ -19,14 +19,14 @@ PLANE, BACK, BALL, BOX = "plane", "back", "ball", "box"
 class Recipe:
     """The inputs of a node, and its examined modes.
 
-    ``feeds``: socket identifier -> name of a source, a constant, or a function of (graph, sources). ``variants``: name ->
-    feeds besides those and, by names with a dot before them, settings: ``.invert``. ``instead``: mode -> feeds, where
-    others would make a pattern too fine to compare. ``together``: settings that are combined; those that are not are changed alone. ``matters``: whether a combination differs from one with fewer
-    changes. ``nested``: settings of settings, such as a colour ramp's, with their values. ``outputs``: those that are
-    looked at in every combination; others in the first one and in variants. ``shape``: the object, of which a value
-    takes a plane otherwise; ``shapes``: further variants, that differ by their shape.
-    ``prepare(node, variant)`` gives the node its data. ``rays``: the node sends rays of its own. ``scattered``:
-    what it gives is looked at by scattered rays, too.
+    ``feeds``: socket identifier -> name of a source, a constant, or a function of (graph, sources). ``variants``: name
+    -> feeds besides those and, by names with a dot before them, settings: ``.invert``. ``instead``: mode -> feeds,
+    where others would make a pattern too fine to compare. ``together``: settings that are combined; those that are not
+    are changed alone. ``matters``: whether a combination differs from one with fewer changes. ``nested``: settings of
+    settings, such as a colour ramp's, with their values. ``outputs``: those that are looked at in every combination;
+    others in the first one and in variants. ``shape``: the object, of which a value takes a plane otherwise;
+    ``shapes``: further variants, that differ by their shape. ``prepare(node, variant)`` gives the node its data.
+    ``rays``: the node sends rays of its own. ``scattered``: what it gives is looked at by scattered rays, too.
     """
 
     feeds: dict = field(default_factory=dict)

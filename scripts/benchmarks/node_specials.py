@@ -442,7 +442,7 @@ def sun_color(sources):
     return _emission(sources, (0.9, 0.5, 0.3), 0.4)
 
 
-# -- what tells of objects and cameras, where no object has been met -----------------------------------------------------
+# -- what tells of objects and cameras, where no object has been met ---------------------------------------------------
 
 _ELSEWHERE = {
     "ShaderNodeObjectInfo": ("Location", "Color", "Alpha", "Object Index", "Material Index", "Random"),
@@ -534,7 +534,7 @@ def spot_uv(sources):
     return _emission(sources, _positive(sources, sources.graph.node("ShaderNodeTexCoord", "UV")))
 
 
-# -- values where shaders are expected -----------------------------------------------------------------------------------
+# -- values where shaders are expected ---------------------------------------------------------------------------------
 
 
 @special("World of a number", place="world")

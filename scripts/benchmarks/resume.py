@@ -7,10 +7,15 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+from collections.abc import Callable, Iterable
+from typing import TypeVar
 
 import host
 
 from . import references
+from .progress import Progress
+
+T = TypeVar("T")
 
 
 def _sources() -> bytes:
@@ -46,3 +51,20 @@ class Parts:
     def finish(self) -> None:
         """All parts are there: the next run measures again."""
         self._path.unlink(missing_ok=True)
+
+
+def in_parts(names: Iterable, measure: Callable[..., T], options) -> list[T]:
+    """Results of ``measure(name)``, with a bar of the progress. A name may be a tuple of arguments.
+
+    An interrupted run continues where it was: see ``Parts``.
+    """
+    rows = [name if isinstance(name, tuple) else (name,) for name in names]
+    progress, parts, found = Progress(max(len(rows), 1)), Parts(options), []
+    for row in rows:
+        text = " ".join(str(item) for item in row if isinstance(item, (str, int)))
+        progress.show(text)
+        found.append(parts.of(text, lambda row=row: measure(*row)))
+        progress.step()
+    parts.finish()
+    progress.close()
+    return found

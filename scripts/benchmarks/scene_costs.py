@@ -49,7 +49,8 @@ def ratios(name: str, options) -> dict:
 
 
 def costs(name: str, engine: str, options) -> dict:
-    """Seconds of the first and of later small renders, and bytes of a whole one, in a process that has not rendered yet."""
+    """Seconds of the first and of later small renders, and bytes of a whole one, in a process that has not rendered
+    yet."""
     scene = artist_scenes.build(name, TINY)
     settings(scene, engine, 1, 0, options.device)
     _forget_peak()

@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The first minutes, on empty caches: the demo after its downloads, the first F12 of an installed zip, and how long its window
-is busy while kernels compile beside it. Also how far the demo's quick picture is from one of many samples.
+"""The first minutes, on empty caches: the demo after its downloads, the first F12 of an installed zip, and how long its
+window is busy while kernels compile beside it. Also how far the demo's quick picture is from one of many samples.
 """
 
 from __future__ import annotations
@@ -134,8 +134,8 @@ def _in_window(folder: pathlib.Path, path: pathlib.Path, *words: str) -> dict:
 
 
 def _first_pixels() -> dict | None:
-    """Seconds until the first pixels in a window, each in a new installation; None if there is no Blender with one, or no zip
-    with kernels for its Python."""
+    """Seconds until the first pixels in a window, each in a new installation; None if there is no Blender with one, or
+    no zip with kernels for its Python."""
     command = host.windowed_blender()
     if command is None or shipped_kernels.interpreter(host.python_of(command)) is None:
         return None

@@ -63,8 +63,8 @@ def first_picture() -> None:
 
 
 def first_pixels() -> None:
-    """Seconds from the begin and from the end of the installation until the window has the first pixels of a lamp: in a rendered
-    viewport, or of an F12."""
+    """Seconds from the begin and from the end of the installation until the window has the first pixels of a lamp: in a
+    rendered viewport, or of an F12."""
     state = dict(begun=0.0, installed=0.0, step=0)
 
     def done(*_) -> None:
@@ -98,8 +98,8 @@ def first_pixels() -> None:
 
 
 def stalls() -> None:
-    """Longest times that the window did not answer: first while it redraws its status bar without the add-on, then as long
-    while kernels compile. Redraws of the status bar are told apart."""
+    """Longest times that the window did not answer: first while it redraws its status bar without the add-on, then as
+    long while kernels compile. Redraws of the status bar are told apart."""
     phases: list[dict] = [dict(drawing=[], other=[], work=[]) for _ in range(2)]
     texts: list[str] = []
     state = dict(last=0.0, work=0.0, phase=0, until=0.0, redraw=0.0, skip=0, drawn=False)

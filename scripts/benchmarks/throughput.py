@@ -18,7 +18,7 @@ import bpy
 
 from sdf_lights.render.settings import LampSampling
 
-from . import lamp_scenes, pictures, simple_scenes, startup
+from . import lamp_scenes, pictures, simple_scenes, startup, turns
 from .progress import Progress
 from .resume import Parts
 
@@ -58,33 +58,25 @@ def measure(bounces: int, options) -> list[dict]:
     scene = simple_scenes.boxes_and_sphere(size)
     simple_scenes.add_point_light()
     engines = _engines(options)
-    seconds = {(name, samples): [] for name in engines for samples in (few, many)}
-    means, rows = {}, []
-    for turn in range(repeats + 1):
-        for name in engines:
-            for samples in (few, many):
-                _prepare(name, scene, samples, bounces, options.device)
-                picture = pictures.render()
-                if turn:  # the first turn compiles and fills caches
-                    seconds[name, samples].append(picture.seconds)
-                means[name] = float(picture.pixels.mean())
-    for name in engines:
-        differences = [long - short for short, long in zip(seconds[name, few], seconds[name, many])]
-        taken = size * size * (many - few)
-        rows.append(
-            dict(
-                engine=name,
-                bounces=bounces,
-                samples=many - few,
-                pixels=size * size,
-                repeats=repeats,
-                samples_per_second=taken / max(statistics.median(differences), 1e-9),
-                fastest=taken / max(min(differences), 1e-9),
-                slowest=taken / max(max(differences), 1e-9),
-                mean=means[name],
-            )
+
+    def render(engine: str, samples: int) -> pictures.Picture:
+        _prepare(engine, scene, samples, bounces, options.device)
+        return pictures.render()
+
+    return [
+        dict(
+            engine=name,
+            bounces=bounces,
+            samples=many - few,
+            pixels=size * size,
+            repeats=repeats,
+            samples_per_second=rate.per_second(size * size),
+            fastest=rate.per_second(size * size, min),
+            slowest=rate.per_second(size * size, max),
+            mean=rate.mean,
         )
-    return rows
+        for name, rate in turns.rates(engines, few, many, repeats, render).items()
+    ]
 
 
 def rates(options, parts: Parts, progress: Progress) -> tuple[dict, list[dict]]:
@@ -115,20 +107,15 @@ def on_lamp_scenes(options) -> tuple[dict, list[dict]]:
     engines = (*_engines(options), *BY_PROJECTION)
     for name in LAMP_SCENES[:1] if options.quick else LAMP_SCENES:
         lamp_scenes.SCENES[name].build(size)
-        seconds = {(engine, samples): [] for engine in engines for samples in (few, many)}
-        means = {}
-        for turn in range(repeats + 1):
-            for engine, samples in seconds:
-                lamp_scenes.show(volumes=engine == "Cycles")
-                _prepare(engine, bpy.context.scene, samples, 0, options.device)
-                picture = pictures.render()
-                means[engine] = float(picture.pixels.mean())
-                if turn:  # the first turn compiles
-                    seconds[engine, samples].append(picture.seconds)
-        rate = []
-        for engine in engines:
-            differences = [long - short for short, long in zip(seconds[engine, few], seconds[engine, many])]
-            rate.append(size * size * (many - few) / max(statistics.median(differences), 1e-9))
+
+        def render(engine: str, samples: int) -> pictures.Picture:
+            lamp_scenes.show(volumes=engine == "Cycles")
+            _prepare(engine, bpy.context.scene, samples, 0, options.device)
+            return pictures.render()
+
+        found = turns.rates(engines, few, many, repeats, render)
+        means = {engine: rate.mean for engine, rate in found.items()}
+        rate = [each.per_second(size * size) for each in found.values()]
         gpu, cycles, cpu, gpu_by_projection, cpu_by_projection = rate
         ratios.append(gpu / cpu)
         ratios_by_projection.append(gpu_by_projection / cpu_by_projection)

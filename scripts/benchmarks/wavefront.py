@@ -12,7 +12,7 @@ which is the minimum that a wavefront does.
 
 from __future__ import annotations
 
-import functools
+import itertools
 import statistics
 from contextlib import contextmanager
 
@@ -23,8 +23,7 @@ import numpy as np
 from sdf_lights.render.settings import LampSampling
 
 from . import lamp_scenes, pictures, simple_scenes
-from .progress import Progress
-from .resume import Parts
+from .resume import in_parts
 from .throughput import LAMP_SCENES
 
 HELP = "what the GPU's path tracer could gain as a wavefront, and what that costs"
@@ -149,19 +148,10 @@ def measure(name: str, size: int, bounces: int, options) -> dict:
 
 def run(options) -> tuple[dict, list[dict]]:
     names = LAMP_SCENES[:1] if options.quick else ("S1", "S3")
-    progress, parts, rows = Progress(len(names) * len(BOUNCES)), Parts(options), []
-    for name in names:
-        for bounces in BOUNCES:
-            progress.show(f"{name}, {bounces} bounces")
-            rows.append(
-                parts.of(
-                    f"{name} {bounces}",
-                    functools.partial(measure, name, 96 if options.quick else 128, bounces, options),
-                )
-            )
-            progress.step()
-    parts.finish()
-    progress.close()
+    size = 96 if options.quick else 128
+    rows = in_parts(
+        itertools.product(names, BOUNCES), lambda name, bounces: measure(name, size, bounces, options), options
+    )
     return dict(
         wavefront_gain_at_most=max(1.0 / (min(row["shading"], row["light_rays"]) * row["busy_in_8"]) for row in rows),
         wavefront_memory_time_ratio=statistics.geometric_mean(row["memory_time_ratio"] for row in rows),

@@ -38,8 +38,8 @@ RECIPES: dict[str, Recipe] = {}
 
 
 def recipe(title: str, samples: int, gallery: bool = False, **texts: str):
-    """Register a function that fills an empty scene. Its docstring has a sentence, and then the steps, each with a number.
-    ``texts``: expressions that the page shows."""
+    """Register a function that fills an empty scene. Its docstring has a sentence, and then the steps, each with a
+    number. ``texts``: expressions that the page shows."""
 
     def register(build):
         text = inspect.cleandoc(build.__doc__)

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sections of the report on rays, hard cases, throughput and scaling, and on any benchmark without a special section."""
+"""Sections of the report on rays, hard cases, throughput and scaling, and on any benchmark without a special
+section."""
 
 from __future__ import annotations
 

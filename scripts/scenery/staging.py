@@ -15,7 +15,8 @@ from .modelling import add
 
 
 def camera(eye, target, degrees: float = 50.0, aperture: float = 0.0, focus=None) -> bpy.types.Object:
-    """A camera at ``eye`` that looks at ``target``; with an f-number for ``aperture`` it is sharp at ``focus`` alone."""
+    """A camera at ``eye`` that looks at ``target``; with an f-number for ``aperture`` it is sharp at ``focus``
+    alone."""
     data = bpy.data.cameras.new("Camera")
     data.sensor_fit, data.angle, data.clip_start = "HORIZONTAL", math.radians(degrees), 0.01
     if aperture:
@@ -66,8 +67,8 @@ def sky(elevation: float, azimuth: float, strength: float = 0.1, disc: bool = Tr
 
 
 def panorama(name: str, lamps, ground=(0.1, 0.09, 0.08), zenith=(0.25, 0.3, 0.4), strength: float = 1.0) -> None:
-    """A world from an equirectangular picture of floats: a gradient with soft ``lamps``, each (azimuth, elevation, angle,
-    colour), in degrees."""
+    """A world from an equirectangular picture of floats: a gradient with soft ``lamps``, each (azimuth, elevation,
+    angle, colour), in degrees."""
     height = 128
     v, u = (np.mgrid[0:height, 0 : 2 * height] + 0.5) / height
     elevation, azimuth = (v - 0.5) * math.pi, (u - 1.0) * math.pi

@@ -127,6 +127,8 @@ def _label(context, name: str, value: float) -> str:
 
 
 class SDFLIGHTS_GGT_primitive(bpy.types.GizmoGroup):
+    """Arrows that set the sizes of a primitive."""
+
     bl_idname = "SDFLIGHTS_GGT_primitive"
     bl_label = "SDF Lamp Size"
     bl_space_type = "VIEW_3D"

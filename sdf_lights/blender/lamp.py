@@ -95,7 +95,7 @@ def _emission(text: str, values: tuple, resolver: Resolver) -> Emission:
 
 
 def pattern_of(lamp, owner: np.ndarray | None = None) -> Emission | None:
-    """Emission of a ``Light.sdf_lamp``; None if it is uniform. ``owner`` is as for ``shape_of``.
+    """Emission of a ``Light.sdf_lamp``; None if it is uniform. ``owner`` (4 × 4) is as for ``shape_of``.
 
     Raises RenderError with a sentence if its text or nodes define no emission. Its cause is the ``ExpressionError`` of
     a text.

@@ -281,6 +281,8 @@ def draw_other_engine(layout, context, light) -> None:
 
 
 class SDFLIGHTS_PT_other_engine(bpy.types.Panel):
+    """Settings of SDF lamps, shown while another engine is chosen."""
+
     bl_label = "SDF Lamp"
     bl_space_type = "PROPERTIES"
     bl_region_type = "WINDOW"

@@ -80,7 +80,8 @@ def apply(light: bpy.types.Light, preset: Preset) -> None:
 
 
 def preset_of(light: bpy.types.Light) -> Preset:
-    """The lamp as a preset. Raises RenderError where its nodes cannot be written as text, or need what is in this file."""
+    """The lamp as a preset. Raises RenderError where its nodes cannot be written as text, or need what is in this
+    file."""
     lamp = light.sdf_lamp
     for thing in parameters.things_of(light):
         what = "an image" if isinstance(thing, bpy.types.Image) else "an object"
@@ -181,6 +182,8 @@ def _set_text(lamp, text: str) -> None:
 
 
 class SDFLIGHTS_PT_lamp_presets(PresetPanel, bpy.types.Panel):
+    """Presets of lamps."""
+
     bl_label = "Lamp Presets"
     preset_subdir = "sdf_lights/lamp"
     preset_operator = "script.execute_preset"

@@ -64,7 +64,7 @@ def write(out: str, scene: bpy.types.Scene, frames: list[str]) -> None:
 
 
 def command(words: list[str]) -> int:
-    """``sdf_lights_movie``; the exit code."""
+    """Runs ``sdf_lights_movie``; returns the exit code. Raises RuntimeError with a sentence if it cannot."""
     parser = argparse.ArgumentParser(prog="sdf_lights_movie", description="Makes a movie of rendered frames.")
     parser.add_argument("out", help="the movie to write, an .mp4")
     parser.add_argument("file", help="the .blend with the color management and the frame rate of the movie")

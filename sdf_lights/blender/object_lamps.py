@@ -37,7 +37,8 @@ def _changed(scene, depsgraph):
     images = {update.id.original.session_uid for update in depsgraph.updates if isinstance(update.id, bpy.types.Image)}
     picture_lamps.forget(images)
     for light in bpy.data.lights:
-        # A light that is updated already needs nothing: so an object that depends on its own lamp does not go on for ever.
+        # A light that is updated already needs nothing: so an object that depends on its own lamp does not go on for
+        # ever.
         if not light.sdf_lamp.use or light.session_uid in changed:
             continue
         used = [part for thing in parameters.things_of(light) for part in _parts_of(thing)]
@@ -90,7 +91,8 @@ class SDFLIGHTS_OT_object_to_lamp(bpy.types.Operator):
 
     @staticmethod
     def _placed(obj: bpy.types.Object, light: bpy.types.Light) -> bpy.types.Object:
-        """The lamp's object, which goes where the object goes. That is shown as wires, to be edited, and not rendered."""
+        """The lamp's object, which goes where the object goes. That is shown as wires, to be edited, and not
+        rendered."""
         lamp = bpy.data.objects.new(light.name, light)
         for collection in obj.users_collection:
             collection.objects.link(lamp)

@@ -381,6 +381,8 @@ def _glowing(light: bpy.types.Light, power: float, mesh: bpy.types.Mesh, matrix)
 
 
 class SDFLIGHTS_MT_examples(bpy.types.Menu):
+    """Worked examples of the language."""
+
     bl_label = "Load Example"
     bl_idname = "SDFLIGHTS_MT_examples"
 
@@ -399,7 +401,8 @@ def _add_menu(idname: str, title: str, source: str, prop: str, items, icon=lambd
             operator.source = source
             setattr(operator, prop, name)
 
-    return type(idname, (bpy.types.Menu,), {"bl_label": title, "bl_idname": idname, "draw": draw})
+    doc = f"Adds a lamp: {title}."
+    return type(idname, (bpy.types.Menu,), {"__doc__": doc, "bl_label": title, "bl_idname": idname, "draw": draw})
 
 
 SDFLIGHTS_MT_examples_add = _add_menu("SDFLIGHTS_MT_examples_add", "Examples", "EXAMPLE", "example", example_items)
@@ -410,6 +413,8 @@ SDFLIGHTS_MT_profiles_add = _add_menu("SDFLIGHTS_MT_profiles_add", "Profiles", "
 
 
 class SDFLIGHTS_MT_nodes_add(bpy.types.Menu):
+    """Node trees from which a lamp can be made."""
+
     bl_label = "From Nodes"
     bl_idname = "SDFLIGHTS_MT_nodes_add"
 
@@ -454,6 +459,8 @@ _ICONS = {  # of the groups of shapes
 
 
 class SDFLIGHTS_MT_lamp_add(bpy.types.Menu):
+    """Sources of a new SDF lamp."""
+
     bl_label = "SDF Lamp"
     bl_idname = "SDFLIGHTS_MT_lamp_add"
 

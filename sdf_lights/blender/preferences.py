@@ -100,6 +100,8 @@ def _write_log(self, context):
 
 
 class SDFLIGHTS_Preferences(bpy.types.AddonPreferences):
+    """Preferences of the add-on."""
+
     bl_idname = ROOT
 
     log_level: bpy.props.EnumProperty(

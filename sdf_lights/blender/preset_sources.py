@@ -75,7 +75,8 @@ def with_sources(preset: Preset) -> Preset:
 
 
 def place(things: set[bpy.types.ID], lamp: bpy.types.Object) -> None:
-    """Put objects that are nowhere yet beside their lamp, whose children they become: shown as wires and not rendered."""
+    """Put objects that are nowhere yet beside their lamp, whose children they become: shown as wires and not
+    rendered."""
     for thing in things:
         if isinstance(thing, bpy.types.Object) and not thing.users_collection:
             for collection in lamp.users_collection:

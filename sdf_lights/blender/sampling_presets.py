@@ -22,12 +22,16 @@ class _Presets(PresetPanel):
 
 
 class SDFLIGHTS_PT_sampling_presets(_Presets, bpy.types.Panel):
+    """Presets of render samples."""
+
     bl_label = "Sampling Presets"
     preset_subdir = "sdf_lights/sampling"
     preset_add_operator = "sdf_lights.sampling_preset_add"
 
 
 class SDFLIGHTS_PT_viewport_sampling_presets(_Presets, bpy.types.Panel):
+    """Presets of viewport samples."""
+
     bl_label = "Viewport Sampling Presets"
     preset_subdir = "sdf_lights/viewport_sampling"
     preset_add_operator = "sdf_lights.viewport_sampling_preset_add"

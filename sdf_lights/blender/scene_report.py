@@ -83,6 +83,8 @@ class SDFLIGHTS_OT_scene_check(bpy.types.Operator):
 
 
 class SDFLIGHTS_PT_scene_report(bpy.types.Panel):
+    """Lists what would not render as the scene says."""
+
     bl_label = "Scene Report"
     bl_order = 1
     bl_space_type = "PROPERTIES"

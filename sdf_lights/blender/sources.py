@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What lamps mean by names of data: objects and images of the file, and texts in Blender's font.
 
-A lamp keeps a pointer to each thing that its texts name. So files keep these things, they come along where a lamp is appended,
-and a thing that gets another name is still found.
+A lamp keeps a pointer to each thing that its texts name. So files keep these things, they come along where a lamp is
+appended, and a thing that gets another name is still found.
 """
 
 from __future__ import annotations
@@ -129,8 +129,9 @@ _READERS: dict[str, Callable[[FileResolver, Request], Found]] = {
 }
 
 
-def words_of(lamp) -> tuple[str, str, dict[str, float | str]]:
-    """The word, the name and the settings that say the shape of a lamp of an object, an image or a network."""
+def builtin_call_of(lamp) -> tuple[str, str, dict[str, float | str]]:
+    """The word, the name and the settings that say the shape of a lamp of an object, an image or a network.
+    Raises RenderError."""
     if lamp.source == "NETWORK":
         if not lamp.network:
             raise RenderError("Its shape is the network that the add-on has, which is no file: choose one first.")

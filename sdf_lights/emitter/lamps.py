@@ -188,7 +188,8 @@ def varies(block, lamp):
 
 @kernel
 def radiance(block, lamp, x, d, spans, count, t_min, t_max, u):
-    """Line integral of the emission along x + t·d over the traced intervals, between the distances t_min and t_max: RGB.
+    """Line integral of the emission along x + t·d over the traced intervals, between the distances t_min and t_max:
+    RGB.
 
     If the emission varies, it is an unbiased estimate from one uniform number u. Otherwise u and the ray have no
     effect.

@@ -71,7 +71,7 @@ def remainder_limits(period: Interval, line) -> tuple[float, float] | None:
 
 
 def taken_rows(value, index: np.ndarray, rows: int, done: dict):
-    """A value with the rows ``index`` of its arrays. Shared objects stay shared.
+    """A value with the rows ``index`` (n,) of its arrays (rows, …). Shared objects stay shared.
 
     ``done`` holds the objects seen so far, by identity, and keeps them alive.
     """

@@ -95,7 +95,8 @@ def function(
 
     ``parameters`` is GLSL for the value in a slot, with ``{}`` for the slot's number. Names of functions start with
     ``name``; all others are local. ``table_number(i)`` reads the tables. ``written`` collects the names of functions
-    that read tables and are already written; they are not written again.
+    that read tables and are already written; they are not written again. Raises UnwrittenError if there is no form for
+    the graphics card, and ValueError for a wrong name or number of values.
     """
     formulas = (formula,) if isinstance(formula, Formula) else tuple(formula)
     if not _NAME.fullmatch(name):

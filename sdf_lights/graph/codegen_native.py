@@ -50,9 +50,10 @@ class Compiled(NamedTuple):
 
         void f(int64_t n, const double *points, const double *parameters, double *values)
 
-    ``points`` (3, m) has all x, then all y, then all z, where m is n rounded up to a multiple of ``LANES``. ``parameters``
-    has the formulas' slots. ``values`` (formulas, m) gets all values of the first formula first. Only the first n of m
-    values count: functions that a formula calls are called for no other point. Any number of threads may call it.
+    ``points`` (3, m) has all x, then all y, then all z, where m is n rounded up to a multiple of
+    ``LANES``. ``parameters`` has the formulas' slots. ``values`` (formulas, m) gets all values of the first formula
+    first. Only the first n of m values count: functions that a formula calls are called for no other point. Any number
+    of threads may call it.
     """
 
     address: int  # valid as long as ``owner`` lives
@@ -175,7 +176,7 @@ def _description(formulas: tuple[Formula, ...]) -> str:
 
 
 def evaluate(formula: Formula, points: np.ndarray, parameters: Numbers = ()) -> np.ndarray:
-    """Values (…) of the formula at points (…, 3), like ``numpy_evaluation.evaluate``.
+    """Values (…) of the formula at points (…, 3), like ``numpy_evaluation.evaluate``. Raises ValueError.
 
     The two agree to rounding. If an operand of minimum, maximum or a comparison is NaN, either operand may result.
     """

@@ -40,9 +40,9 @@ class Formula:
     """One node. Made only by the functions and operators of this module; compared and hashed by identity.
 
     ``kind`` is ``CONSTANT`` (``value`` a float), ``VARIABLE`` (``value`` a name and the number of a component),
-    ``PARAMETER`` (``value`` a slot) or a key of ``OPERATIONS`` (``operands`` formulas). Loops (see ``loops.iterate``) have
-    ``ITERATE`` (``value`` a ``Loop``; ``operands`` the number of iterations, the first states, and the outer values
-    that the body uses). Only inside the body, ``STATE`` has the loop's level and the number of the state as its
+    ``PARAMETER`` (``value`` a slot) or a key of ``OPERATIONS`` (``operands`` formulas). Loops (see ``loops.iterate``)
+    have ``ITERATE`` (``value`` a ``Loop``; ``operands`` the number of iterations, the first states, and the outer
+    values that the body uses). Only inside the body, ``STATE`` has the loop's level and the number of the state as its
     ``value``. Calls have ``CALL`` (``value`` a ``Function``). ``RESULT`` is one of the values of a loop or call
     (``value`` its number, ``operands`` the loop or call).
     """
@@ -174,7 +174,7 @@ def formula_of(value: Formula | float) -> Formula:
 
 
 def call(function: Function, *operands: Formula | float) -> tuple[Formula, ...]:
-    """All results of an external function."""
+    """All results of an external function. Raises TypeError for a wrong number of operands."""
     nodes = tuple(map(formula_of, operands))
     if any(o.kind in CONDITIONS for o in nodes):
         raise TypeError("a condition can only be the first operand of select")
@@ -348,7 +348,8 @@ _RULES: dict[str, Callable[..., Formula | None]] = {
 
 
 def apply(kind: str, *operands: Formula | float) -> Formula:
-    """The operation ``kind`` of ``OPERATIONS`` on formulas or numbers: folded, simplified, shared."""
+    """The operation ``kind`` of ``OPERATIONS`` on formulas or numbers: folded, simplified, shared.
+    Raises TypeError for wrong operands."""
     nodes = tuple(map(formula_of, operands))
     operation = OPERATIONS[kind]
     if len(nodes) != operation.arity:

@@ -40,13 +40,15 @@ class Function:
 class TableFunction(Function):
     """A field that reads tables (see ``tables``): ``kernel(*addresses, *coordinates)`` returns one number.
 
-    The coordinates are any further operands: those of a point, and numbers. The kernel must end for all numbers, NaN and
-    infinity too. ``bounds`` takes ``(*addresses, low, high, low, high, …)``, the bounds of each coordinate over a box, and gives
-    ``(low, high, slope_low, slope_high, …)``: bounds of the value, and of its derivative by each coordinate. At a crease
-    those of both sides are bounded. They are certain but for rounding, which it covers with ``interval_evaluation.MARGIN``.
-    ``zero_bounds`` gives the same, but bounds derivatives only where the value is zero, which may be much closer.
-    ``glsl`` is the source of ``float name(int table, …, float x, …)`` in float32, which reads the number i of all tables one
-    after the other by ``table_number(i)``, and is told where its own begin; it may call what that of ``needs`` defines. ``derivatives`` takes what the kernel takes and gives the derivative by each coordinate.
+    The coordinates are any further operands: those of a point, and numbers. The kernel must end for all numbers, NaN
+    and infinity too. ``bounds`` takes ``(*addresses, low, high, low, high, …)``, the bounds of each coordinate over a
+    box, and gives ``(low, high, slope_low, slope_high, …)``: bounds of the value, and of its derivative by each
+    coordinate. At a crease those of both sides are bounded. They are certain but for rounding, which it covers with
+    ``interval_evaluation.MARGIN``. ``zero_bounds`` gives the same, but bounds derivatives only where the value is zero,
+    which may be much closer. ``glsl`` is the source of ``float name(int table, …, float x, …)`` in float32, which reads
+    the number i of all tables one after the other by ``table_number(i)``, and is told where its own begin; it may call
+    what that of ``needs`` defines. ``derivatives`` takes what the kernel takes and gives the derivative by each
+    coordinate.
     """
 
     tables: int = 1

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bounds of a formula's values over boxes, by ``interval_arithmetic`` at each node; ``slope_evaluation`` adds bounds of slopes."""
+"""Bounds of a formula's values over boxes, by ``interval_arithmetic`` at each node; ``slope_evaluation`` adds bounds of
+slopes."""
 
 from __future__ import annotations
 
@@ -43,7 +44,8 @@ MARGIN = 1e-12  # relative to the bounded value: more than the rounding of a few
 
 
 def called(node: Formula, operands: list[Interval]) -> tuple[Interval, list[tuple[np.ndarray, np.ndarray]]]:
-    """Bounds of the value of a function of tables, and of its derivative by each of its coordinates."""
+    """Bounds of the value of a function of tables, and of its derivative by each of its coordinates.
+    Raises ValueError if the function has no known bounds."""
     function = node.value
     if not isinstance(function, TableFunction) or function.bounds is None:
         raise ValueError(f"the function {function.name!r} has no known bounds")

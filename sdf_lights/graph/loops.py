@@ -27,6 +27,7 @@ def iterate(
     ``count`` must not depend on the position. It is rounded down, and clamped to 0 and ``limit`` (NaN counts as 0).
     ``going`` is a comparison of the states before the iteration, or None: a point at which it fails keeps its states
     from then on. ``body`` is called once, with formulas for the states. It may contain loops itself.
+    Raises ValueError for a wrong ``limit``, TypeError for a wrong ``count`` or ``body``.
     """
     if not 0 < limit <= LONGEST_LOOP:
         raise ValueError(f"a loop can have 1 to {LONGEST_LOOP} rounds, not {limit}")

@@ -22,7 +22,8 @@ class Place(NamedTuple):
 
 
 def part_symbol(function: Function, operands: int) -> str:
-    """Identifies a function in code for formulas of the position: the same in each process, unlike its address."""
+    """Identifies a function in code for formulas of the position: the same in each process, unlike its address.
+    Raises ValueError for a function that needs a scene."""
     if function.scene:
         raise ValueError(f"{function.name!r} cannot be called in the formula of a shape")
     return symbol(function, operands, "position")

@@ -45,7 +45,8 @@ class Inputs:
         raise ValueError(f"the variable {name!r} has no value here")
 
     def call(self, function: functions.Function, operands: list) -> tuple[np.ndarray, ...]:
-        """Results of a function, each an array (…) or a number. Override this for functions with ``function.scene``."""
+        """Results of a function, each an array (…) or a number. Override this for functions with ``function.scene``.
+        Raises ValueError for a function that needs a scene."""
         if function.scene:
             raise ValueError(f"{function.name!r} needs a scene")
         return functions.evaluate(function, operands)

@@ -115,7 +115,7 @@ def unit_bounds(parts: list[Slope]) -> tuple[list[tuple[np.ndarray, np.ndarray]]
 
 
 def steepest_bound(parts: list[Slope], units: list[tuple[np.ndarray, np.ndarray]]) -> np.ndarray | float:
-    """Bound of |Jᵀu| for unit vectors u within ``units`` and the matrix J of the gradients of ``parts``.
+    """Bound (boxes,) of |Jᵀu| for unit vectors u within ``units`` and the matrix J of the gradients of ``parts``.
 
     |Jᵀu|² = uᵀGu with G = JJᵀ, which is at most the greatest sum of |G| along a row, and at most Σ |u_i| |G_ij| |u_j|.
     """

@@ -70,8 +70,8 @@ _lock = threading.Lock()
 
 
 def table(array: np.ndarray) -> Table:
-    """The table with the content of a 1-D array. The array is copied unless the table already exists. A table begins at
-    a cache line."""
+    """The table with the content of an array (n,). The array is copied unless the table already exists. A table begins
+    at a cache line. Raises ValueError for an empty array, or one of more dimensions."""
     array = np.ascontiguousarray(array)
     if array.ndim != 1 or not len(array):
         raise ValueError(f"a table is a non-empty array of one dimension, not one of shape {array.shape}")
@@ -98,8 +98,8 @@ def tables_of(formula: Formula, parameters: Numbers) -> tuple[Table, ...]:
 
 
 def with_places(numbers: np.ndarray, slots: Iterable[int], first: int = 0) -> tuple[np.ndarray, list[Table]]:
-    """Numbers for a graphics card, and their tables. Addresses of tables, in ``slots``, are replaced by the position of
-    the first number of each table in the concatenated tables, counted from ``first`` on."""
+    """Numbers (n,) for a graphics card, and their tables. Addresses of tables, in ``slots``, are replaced by the
+    position of the first number of each table in the concatenated tables, counted from ``first`` on."""
     numbers, places, used = np.array(numbers, np.float64), dict[Table, int](), first
     for slot in sorted(slots):
         found = at_address(numbers[slot])

@@ -95,8 +95,8 @@ class _Denoiser:
             self._api.oidnReleaseFilter(handle)
 
     def denoise(self, color: np.ndarray, guides: dict[str, np.ndarray]) -> np.ndarray | None:
-        """``color`` denoised with guides that are first denoised separately. The library's documentation recommends
-        this for noisy guides: lens blur, rough glass."""
+        """``color`` (height, width, 3) denoised with guides that are first denoised separately. The library's
+        documentation recommends this for noisy guides: lens blur, rough glass."""
         clean = {}
         for name, guide in guides.items():
             clean[name] = self.filter({name: guide})

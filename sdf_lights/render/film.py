@@ -52,7 +52,7 @@ GREATEST = float(np.finfo(np.float32).max)  # largest number for a pixel of a pa
 
 
 def half_count(count: np.ndarray) -> np.ndarray:
-    """How many of the first ``count`` samples of a pixel belong to "half"."""
+    """How many (pixels,) of the first ``count`` samples of each pixel belong to "half"."""
     return count // (2 * HALF_BIT) * HALF_BIT + np.maximum(count % (2 * HALF_BIT) - HALF_BIT, 0)
 
 
@@ -80,22 +80,25 @@ class Film:
     do not depend on the order of work.
 
     - ``sums``: name of ``CHANNELS`` -> sums, pixel by pixel; empty where no pass needs them.
-    - ``light_places``, ``data_places``: name of ``passes.LIGHT_SUMS`` or ``DATA_SUMS`` -> its first column, where a pass needs it.
+    - ``light_places``, ``data_places``: name of ``passes.LIGHT_SUMS`` or ``DATA_SUMS`` -> its first column, where a
+      pass needs it.
     - ``light_sums``: (pixels, 2 × columns) light before paths divide, then, as in ``SCATTERED``, what branches bring.
     - ``data_sums``: (pixels, columns).
-    - ``matte_places``: kind of Cryptomatte -> its row; ``matte_sums``: (pixels, rows, ``matte_slots``, 2) numbers of things, 0 for
-      none, and by how much they cover the samples.
+    - ``matte_places``: kind of Cryptomatte -> its row; ``matte_sums``: (pixels, rows, ``matte_slots``, 2) numbers of
+      things, 0 for none, and by how much they cover the samples.
     - ``count``: samples; ``surfaces``: samples that met a surface.
     - ``active``: 1 where the pixel takes more samples.
     - ``catches``: whether Combined has what shadow catchers catch in the place of what they are.
     - ``discarded``: for each pixel the number of samples of each kind in ``DISCARDED``; they count as black.
-    - ``divided``: (pixels, DIVIDED) into how many branches paths were to divide, in all and in "half", and the surfaces that
-      branches met, with a part of one for rays that left the scene; then the sum over samples of one over their
-      branches, and how often a lamp was looked at box by box before paths divided. None, where the back end lets no path divide.
-    - ``squares``: (pixels, SQUARES) sums of the squares of what a sample had, as a sum of RGB, before its path divided, and in
-      all; of what samples had in all; and of the squared deviations of what the branches of a sample brought from their mean.
-    - ``rate``: samples that a pixel takes for one that is set, where the back end can; ``next_update``: with how many samples
-      that is decided again (``sample_allocation.py``).
+    - ``divided``: (pixels, DIVIDED) into how many branches paths were to divide, in all and in "half", and the surfaces
+      that branches met, with a part of one for rays that left the scene; then the sum over samples of one over their
+      branches, and how often a lamp was looked at box by box before paths divided. None, where the back end lets no
+      path divide.
+    - ``squares``: (pixels, SQUARES) sums of the squares of what a sample had, as a sum of RGB, before its path divided,
+      and in all; of what samples had in all; and of the squared deviations of what the branches of a sample brought
+      from their mean.
+    - ``rate``: samples that a pixel takes for one that is set, where the back end can;
+      ``next_update``: with how many samples that is decided again (``sample_allocation.py``).
     - ``earlier``: counts and sums at the last such decision.
     - ``branches``: into how many the paths of a pixel divide, where the back end lets them (``sample_allocation.py``).
     - ``samples``: how many samples every active pixel has received whose rate is 1.

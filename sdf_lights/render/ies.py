@@ -131,8 +131,8 @@ def _from_type_c(horizontal, vertical, values):
 
 
 def pack(horizontal: np.ndarray, vertical: np.ndarray, values: np.ndarray, repeats_ends: bool = True) -> np.ndarray:
-    """The table for ``intensity``, in one row: both counts, the angles, and the intensities with an additional row and
-    column at both ends, for the cubic interpolation there.
+    """The table for ``intensity``, in one row (n,): both counts, the angles in radians, and the intensities with an
+    additional row and column at both ends, for the cubic interpolation there.
 
     ``repeats_ends``: intensities continue beyond the ends; in Blender 4.5 they are 0 there. Cycles intends to continue
     at the other end if the angles close, but compares in single precision, in which 180° and 360° fall short. So this

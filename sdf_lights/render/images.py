@@ -63,7 +63,8 @@ def as_pixels(array: np.ndarray) -> np.ndarray:
 
 
 def decoded(codes: np.ndarray) -> np.ndarray:
-    """Linear values of sRGB values (IEC 61966-2-1). Above 1 the power curve continues; below 0 the result is 0."""
+    """Linear values (…) of sRGB values (…) (IEC 61966-2-1). Above 1 the power curve continues; below 0 the result is
+    0."""
     codes = np.maximum(codes, codes.dtype.type(0.0))
     power = ((codes + 0.055) / 1.055) ** 2.4
     return np.where(codes < LINEAR_BELOW, codes / 12.92, power)
@@ -93,12 +94,14 @@ def mean_color(image: Image) -> tuple[float, float, float]:
     pixels = as_pixels(image.pixels)
     steps = (max(size // 256, 1) for size in pixels.shape[:2])
     few = Image(image.name, pixels[tuple(slice(None, None, step) for step in steps)], image.encoded)
-    return tuple(map(float, colors(few).mean((0, 1), dtype=np.float64)))
+    red, green, blue = colors(few).mean((0, 1), dtype=np.float64).tolist()
+    return red, green, blue
 
 
 def reduced(pixels: np.ndarray, limit: int, share: float | None = None) -> np.ndarray:
-    """Pixels made smaller, as in Cycles' Simplify, until no side is longer than the ``limit``, unless that is 0. With a
-    ``share``, to that fraction of their size, or to the limit; without, by repeated halving."""
+    """Pixels (height, width, channels) made smaller, as in Cycles' Simplify, until no side is longer than the
+    ``limit``, unless that is 0. With a ``share``, to that fraction of their size, or to the limit; without, by repeated
+    halving."""
     height, width = pixels.shape[:2]
     longest, factor = max(height, width), 1.0 if share is None else share
     if limit and longest > limit:

@@ -31,7 +31,8 @@ class Part:
 
 
 def groups(parts: list[Part]) -> dict[tuple[str, str], dict[str, tuple[int, list[int]]]]:
-    """The part and the channels of each pass, by (view layer, view). Blender writes one part for each pass, or one for all."""
+    """The part and the channels of each pass, by (view layer, view). Blender writes one part for each pass, or one for
+    all."""
     found: dict[tuple[str, str], dict[str, tuple[int, list[int]]]] = {}
     for index, part in enumerate(parts):
         views = str(part.spec.getattribute("multiView") or part.spec.getattribute("view") or "")
@@ -64,7 +65,7 @@ def read(path: pathlib.Path) -> list[Part]:
 
 
 def share_of(path: pathlib.Path, told: dict[str, Share], layer: str) -> Share:
-    """The samples of a view layer of a file; a file with one layer does not name it."""
+    """The samples of a view layer of a file; a file with one layer does not name it. Raises MergeError."""
     if layer in told:
         return told[layer]
     if not layer and len(told) == 1:

@@ -95,7 +95,7 @@ def _rotation(axis: np.ndarray, angle: float) -> np.ndarray:
 
 
 def between(values: np.ndarray, time: float) -> np.ndarray:
-    """Linear interpolation of K values at even times."""
+    """Linear interpolation of ``values`` (K, …) at even times; ``time`` is in [0, 1]."""
     place = min(max(time, 0.0), 1.0) * (len(values) - 1)
     first = min(int(place), len(values) - 2)
     return values[first] + (place - first) * (values[first + 1] - values[first])
@@ -203,8 +203,8 @@ def light_steps(scene: Scene, emissive: np.ndarray) -> int:
 
 
 def part_of(seed: int, index: int) -> float:
-    """Fraction of the exposure at which a back end takes sample ``index`` of all pixels: van der Corput's sequence with a
-    random shift."""
+    """Fraction of the exposure at which a back end takes sample ``index`` of all pixels: van der Corput's sequence with
+    a random shift."""
     rng = np.random.Generator(np.random.Philox(np.random.SeedSequence([seed, 1])))
     return (int(f"{index:032b}"[::-1], 2) / 2**32 + rng.random()) % 1.0
 

@@ -6,31 +6,33 @@ n samples of a pixel with k branches each have the squared error
 
     w (D n^−a + I / (n k)).
 
-I is the variance of a branch, about what the branches of its own sample bring on the mean. D is all other noise: of what is
-sampled before paths divide, and of the light that branches are sent for, which differs from sample to sample where the camera's
-ray meets edges, textures, or other things at other times. More branches do nothing against that. w is the weight of the
-pixel in the error of the picture. The samples take the time n (C + m k), where a branch meets m surfaces; a ray that leaves
-the scene counts as a part of one, and C is more where a light ray to a lamp needs its boxes. The scatter of samples and of their branches estimates D and I (law of total variance).
-The method of Lagrange gives each pixel those n and k, of a few, that minimise error + λ time. Edges and highlights get many
-samples with few branches. Places that other surfaces light get few samples with many branches. λ makes the mean number
-of samples the one that is set. If all pixels have the same number, λ is error by time, which minimises the product of the
-picture's error and its time. The best of noisy estimates promises too much. So paths divide, and pixels get different numbers,
+I is the variance of a branch, about what the branches of its own sample bring on the mean. D is all other noise: of
+what is sampled before paths divide, and of the light that branches are sent for, which differs from sample to sample
+where the camera's ray meets edges, textures, or other things at other times. More branches do nothing against that. w
+is the weight of the pixel in the error of the picture. The samples take the time n (C + m k), where a branch meets m
+surfaces; a ray that leaves the scene counts as a part of one, and C is more where a light ray to a lamp needs its
+boxes. The scatter of samples and of their branches estimates D and I (law of total variance). The method of Lagrange
+gives each pixel those n and k, of a few, that minimise error + λ time. Edges and highlights get many samples with few
+branches. Places that other surfaces light get few samples with many branches. λ makes the mean number of samples the
+one that is set. If all pixels have the same number, λ is error by time, which minimises the product of the picture's
+error and its time. The best of noisy estimates promises too much. So paths divide, and pixels get different numbers,
 only where that product should fall clearly.
 
-One sample does not scatter, but its branches do. At first, they and the differences of neighbours therefore estimate D and I of
-the whole picture. An eighth of the rows is enough for this, so the others divide by the estimate in their first sample.
+One sample does not scatter, but its branches do. At first, they and the differences of neighbours therefore estimate D
+and I of the whole picture. An eighth of the rows is enough for this, so the others divide by the estimate in their
+first sample.
 
 The picture has no bias. What branches bring is averaged over all branches of a pixel, and what comes before over its
 samples. The numbers of both depend on the samples of neighbours, not on the pixel's own. A median or a mean over the
 picture counts a pixel as one of all.
 
 What neighbours show is noisy, most of all with few samples and rare light. All pixels whose neighbours show the same
-therefore share one expectation: the mean of the noise that these pixels have themselves. So a pixel whose neighbours have
-met no light does not count as clean, if similar pixels have met some.
+therefore share one expectation: the mean of the noise that these pixels have themselves. So a pixel whose neighbours
+have met no light does not count as clean, if similar pixels have met some.
 
 The exponent a is that of the whole picture. It is measured by the difference of two halves: the samples up to the last
-update, and as many since. Where samples are stratified well, as with lamps, edges and textures, a is greater than 1, and
-branches pay. Where they do little, as with many lights, leaves or fog, more samples pay.
+update, and as many since. Where samples are stratified well, as with lamps, edges and textures, a is greater than 1,
+and branches pay. Where they do little, as with many lights, leaves or fog, more samples pay.
 """
 
 from __future__ import annotations
@@ -47,31 +49,38 @@ from .settings import MOST_BRANCHES, Settings
 FIRST_UPDATE = 2  # samples before the first update: the fewest that scatter; each later update is at twice as many
 PATCH = 4  # side, in pixels, of a patch whose differences are summed: most patches have no edge
 BANDS, FIRST_BAND = 8, 3  # one row of patches of 8, the fourth, takes its first sample before the others
-# C, in surfaces that a branch meets: 0.7 to 1.8 were measured, and 2 more where a lamp is looked at box by box. The least is best,
-# as the best of noisy estimates promises too much of branches.
+# Figures are error × time without a term, over that with it: see the tables of docs/sampling.md. C, in surfaces that a
+# branch meets: 0.7 to 1.8 were measured, and 2 more where a light ray needs the boxes of a lamp. The least is used,
+# because the best of noisy estimates makes branches look too good. Without the 2: 1.45 under lamps.
 COST, CUT_COST = 0.7, 2.0
-# Branches of pixels that tell how branches scatter: of all at first, later of this part of them, which costs 1 %.
+# Branches of pixels that show how branches scatter: of all pixels at first, later of this part of them, which costs 1
+# %. Without them: 1.06 to 1.17 in ordinary scenes.
 TELLING, PART = 2, 1.0 / 32.0
-# Parts of error × time that are to be left where paths divide, and where pixels take different numbers of samples. Under lamps
-# 0.3 to 0.7 is promised for splitting, in ordinary scenes 0.8 to 1, and there it gains nothing.
+# Parts of error × time that must be left where paths divide, and where pixels take different numbers of samples. The
+# estimate for splitting is 0.3 to 0.7 under lamps. In ordinary scenes it is 0.8 to 1, and splitting gains nothing.
+# Without: 1.1 to 1.2 there.
 SPLITTING_GAIN, GUIDANCE_GAIN = 0.8, 0.9
-MOST_POWER = 2.0  # a is between that of independent samples, 1, and this
-PRIOR = 16.0  # weight, in pixels, of what the neighbours show: 4 and 64 do as well
+MOST_POWER = 2.0  # a is between that of independent samples, 1, and this; without: 1.05 under lamps
+PRIOR = (
+    16.0  # weight, in pixels, of what the neighbours show; 4 and 64 give the same error. Neighbours alone: 0.9 to 1.05
+)
 FLOOR = 0.01  # part of the mean square brightness that is added to the squares which errors are relative to
 # Limits of the number of samples, relative to the one that is set; the lower one is rounded down to a power of two. The
-# upper one is at most the number of samples so far, as few samples show little.
+# upper one is at most the number of samples so far, because few samples show little. With 2: up to 1.24 where light is
+# rare.
 LEAST_RATE, MOST_RATE = 0.5, 8.0
 BRANCHES = tuple(1 << power for power in range(MOST_BRANCHES.bit_length()))
 LEVELS = 2  # levels of D and I for each power of two: pixels of the same levels are treated alike
 LEAST = 2.0**-24  # the least D and I, relative to the greatest
 LOWEST = 1 - int(LEVELS * np.log2(LEAST))
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)  # its multiples spread evenly
-# Weights of neighbours along each axis: D varies more sharply than I.
+# Weights of neighbours along each axis: D varies more sharply than I. With NEXT for all: up to 1.5.
 NEXT, NEAR, FAR = (tuple(float(math.comb(2 * reach, place)) for place in range(2 * reach + 1)) for reach in (1, 2, 4))
 
 
 def first_pixels(film: Film, settings: Settings) -> np.ndarray | None:
-    """(pixels,) 1 for pixels that take their first sample before the others, for ``divide``; None if nothing depends on it."""
+    """(pixels,) 1 for pixels that take their first sample before the others, for ``divide``; None if nothing depends on
+    it."""
     if settings.indirect_paths or settings.max_bounces == 0:
         return None
     band = np.arange(film.height) // PATCH
@@ -170,7 +179,8 @@ def _patches(values: np.ndarray) -> np.ndarray:
 
 @dataclass
 class _Noise:
-    """Estimates by the samples of a film: ``first`` w D and ``second`` w I of each pixel, ``power``, a, ``met``, m, and ``cost``, C.
+    """Estimates by the samples of a film:
+    ``first`` w D and ``second`` w I of each pixel, ``power``, a, ``met``, m, and ``cost``, C.
 
     ``known``: the pixels that have estimates.
     """
@@ -205,8 +215,8 @@ def _noise(film: Film, known: np.ndarray) -> _Noise | None:
         return _expected(found * weight, told, amount, _levels(told) if levels is None else levels)
 
     first, second = np.maximum(expected(variance, known, NEXT), 0.0), expected(branch, informed, NEAR)
-    # What the scatter of branches does not explain falls with the number of samples alone. Where it explains too much, branches
-    # are stratified, and scatter by as much less.
+    # What the scatter of branches does not explain falls with the number of samples alone. Where it explains too much,
+    # branches are stratified, and scatter by as much less.
     levels = _levels(np.maximum(_around(rest, known, shape, NEAR) * weight, 0.0))
     excess = expected(rest - part * branch, informed, NEAR, levels)
     first = first + np.maximum(excess, 0.0)
@@ -219,7 +229,8 @@ def _noise(film: Film, known: np.ndarray) -> _Noise | None:
 
 
 def _power(film: Film, known: np.ndarray, sums: np.ndarray, variance: np.ndarray, weight: np.ndarray) -> float:
-    """a, by the difference of the samples up to the last update and of as many since. The ``sums`` are kept for the next."""
+    """a, by the difference of the samples up to the last update and of as many since. The ``sums`` are kept for the
+    next."""
     before, film.earlier = film.earlier, (film.count.copy(), sums)
     if before is None:
         return 1.0
@@ -235,8 +246,8 @@ def _power(film: Film, known: np.ndarray, sums: np.ndarray, variance: np.ndarray
 
 
 def _expected(found: np.ndarray, told: np.ndarray, amount: np.ndarray, levels: np.ndarray) -> np.ndarray:
-    """(pixels,) means of ``found`` over all other pixels of the same level, each counted by its ``amount``. ``told`` is what
-    neighbours show of it."""
+    """(pixels,) means of ``found`` over all other pixels of the same level, each counted by its ``amount``. ``told`` is
+    what neighbours show of it."""
     amount = amount.astype(float)
     count, total, before = (
         np.bincount(levels, values * amount, LOWEST)[levels] for values in (np.ones(len(found)), found, told)
@@ -251,7 +262,8 @@ def _light(film: Film) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _best(noise: _Noise, alike, samples: int, rates, branches) -> tuple[np.ndarray, np.ndarray]:
-    """(pixels,) the best of the given rates and branches; rate 1 is ``samples`` samples. ``alike``: what ``_alike`` gives."""
+    """(pixels,) the best of the given rates and branches; rate 1 is ``samples`` samples. ``alike``: what ``_alike``
+    gives."""
     kinds, of_pixel, pixels = alike
     d, i = (2.0 ** (-level / LEVELS) * values.max() for level, values in zip(kinds, (noise.first, noise.second)))
     choices = np.array(list(itertools.product(rates, branches)))
@@ -320,7 +332,8 @@ def _alike(first: np.ndarray, second: np.ndarray, count: np.ndarray, known: np.n
 
 
 def _around(values: np.ndarray, amount: np.ndarray, shape: tuple[int, int], weights) -> np.ndarray:
-    """Means of the values around each pixel, each counted by its ``amount``, without its own; 0 where there are none."""
+    """Means of the values around each pixel, each counted by its ``amount``, without its own; 0 where there are
+    none."""
     reach, own = len(weights) // 2, max(weights) ** 2
 
     def total(each: np.ndarray) -> np.ndarray:

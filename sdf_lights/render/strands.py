@@ -67,7 +67,7 @@ def baked_instances(scene: Scene) -> np.ndarray:
 
 
 def world_scale(matrix: np.ndarray) -> float:
-    """Factor on radii when curves or spheres are baked into world space."""
+    """Factor on radii when ``matrix`` (4 × 4) bakes curves or spheres into world space."""
     return abs(float(np.linalg.det(matrix[:3, :3]))) ** (1.0 / 3.0)
 
 
@@ -89,7 +89,7 @@ def margin(mesh: Mesh) -> float:
 
 
 def buffers(mesh: Mesh, matrix: np.ndarray | None = None) -> Buffers:
-    """Curves or spheres for Embree, in world space by ``matrix``, or in local space."""
+    """Curves or spheres for Embree, in world space by ``matrix`` (4 × 4), or in local space."""
     forms = [mesh.positions] if mesh.motion is None else list(mesh.motion)
     sizes = [mesh.radii] * len(forms) if mesh.motion_radii is None else list(mesh.motion_radii)
     factor = 1.0

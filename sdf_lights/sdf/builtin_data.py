@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The words of the expression language for data: texts, objects, pictures, meshes, networks. A row of ``DATA`` for each.
+"""The words of the expression language for data: texts, objects, pictures, meshes, networks. A row of ``DATA`` for
+each.
 
 What a name means, the ``Resolver`` of the expression says. Nodes are made from the rows, too.
 """

@@ -69,7 +69,8 @@ class Emission:
         """The emission inside a shape.
 
         The depth is −φ, so it is in metres where φ is a distance. The height is 0 at the bottom of the shape's bounding
-        box and 1 at its top, along z; u and v are the same along x and y. ``along`` is ``Shape.along``, 0 where there is none.
+        box and 1 at its top, along z; u and v are the same along x and y. ``along`` is ``Shape.along``, 0 where there
+        is none.
         """
         slots = Slots()
         used = {node.value for node in order(*self.colour) if node.kind == PARAMETER}
@@ -90,7 +91,8 @@ class Emission:
 
 
 def in_colours(emission: Emission, colours: Table, width: float, height: float) -> Emission:
-    """The emission times the colours of a picture (``data.texture``) of this size in metres, around z in the xy plane."""
+    """The emission times the colours of a picture (``data.texture``) of this size in metres, around z in the xy
+    plane."""
     from .data.texture import colour  # it needs Numba, whose import takes a second
 
     slots = Slots()
@@ -122,8 +124,8 @@ class EmissionExpression:
     def emission(self, values: Mapping[str, object] | None = None, resolver: Resolver | None = None) -> Emission:
         """The emission with ``values`` of parameters by name in place of their defaults, held to their limits.
 
-        Values of other names are ignored. ``resolver`` gives the shapes that data make. Raises ``ExpressionError`` where
-        these values do not make one.
+        Values of other names are ignored. ``resolver`` gives the shapes that data make. Raises ``ExpressionError``
+        where these values do not make one.
         """
         return self._run(values or {}, resolver)[0]
 

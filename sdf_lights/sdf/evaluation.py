@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The evaluation of an expression. Its result is a shape or, see ``emission``, a brightness.
 
-Only a whitelist of the syntax tree is evaluated (``statement_evaluation``, ``value_evaluation``), and nothing as Python.
-Every step counts, those of a loop as often as it runs, and their number is limited. So is the size of shapes. An
-expression can therefore not demand more than a moment's work.
+Only a whitelist of the syntax tree is evaluated (``statement_evaluation``, ``value_evaluation``), and nothing as
+Python. Every step counts, those of a loop as often as it runs, and their number is limited. So is the size of shapes.
+An expression can therefore not demand more than a moment's work.
 """
 
 from __future__ import annotations

@@ -46,8 +46,8 @@ class Expression:
     def shape(self, values: Mapping[str, object] | None = None, resolver: Resolver | None = None) -> Shape:
         """The shape with ``values`` of parameters by name in place of their defaults, held to their limits.
 
-        Values of other names are ignored. ``resolver`` gives the shapes that data make. Raises ``ExpressionError`` where
-        these values do not make a shape.
+        Values of other names are ignored. ``resolver`` gives the shapes that data make. Raises ``ExpressionError``
+        where these values do not make a shape.
         """
         return Evaluation(values or {}, self._remarks, resolver).run(self._tree)
 

@@ -71,7 +71,7 @@ def primitive(op: Op, matrix: np.ndarray, parameters: tuple[float, ...]) -> np.n
 
 
 def combine(op: Op, operands: list[np.ndarray]) -> np.ndarray:
-    """Program of an operator applied to the programs of its operands, from left to right."""
+    """Program (instructions,) of an operator applied to the programs of its operands, from left to right."""
     row = np.zeros(1, INSTRUCTION)
     row["op"] = op
     row["arity"] = 2

@@ -12,6 +12,7 @@ import math
 import sys
 
 from ..graph.loops import LONGEST_LOOP
+from . import expression  # noqa: F401  (registers all words of the language, in the order of the page)
 from .builtin_data import DATA
 from .catalogue import grouped
 from .declarations import LIMITS
@@ -31,8 +32,8 @@ _INTRODUCTION = f"""\
 
 <!-- Made by `python -m sdf_lights.sdf.reference`; edit the docstrings instead. -->
 
-An expression is a few lines of text that describe a shape. The last line is the shape. The lines before it give names to
-numbers, vectors and shapes. `#` starts a comment.
+An expression is a few lines of text that describe a shape. The last line is the shape. The lines before it give names
+to numbers, vectors and shapes. `#` starts a comment.
 
     size = slider(1, 0.1, 3)              # becomes a slider of the lamp
     hole = sphere(1.35 * size)
@@ -46,8 +47,8 @@ numbers, vectors and shapes. `#` starts a comment.
 - Arguments have a position or a name: `torus(1, 0.2)`, `torus(minor_radius=0.2)`. A vector can also be three numbers,
   `box(1, 2, 3)`, or one number for all three, `box(1)`. Combinations take any number of shapes, then their own
   numbers: `smooth_union(a, b, c, 0.1)` or `smooth_union(a, b, radius=0.1)`.
-- Texts are in quotes, `"OPEN"` or `'OPEN'`: names of objects and pictures, paths of files, letters to write. `\\n` begins a
-  new line, `\\\\` is one `\\`, `\\"` a quote.
+- Texts are in quotes, `"OPEN"` or `'OPEN'`: names of objects and pictures, paths of files, letters to write. `\\n`
+  begins a new line, `\\\\` is one `\\`, `\\"` a quote.
 - Lengths are in metres. Angles are in degrees, except in `sin` and similar functions, which take radians.
 - An expression has at most {LONGEST} characters, {DEEPEST} nested brackets and {MOST_PRIMITIVES} shapes.
 
@@ -104,8 +105,8 @@ value at each point. A field is a shape: the region in which it is negative. And
 _EMISSION = """\
 ## Emission
 
-An expression can also be the brightness at each point of a lamp. Its last line is then a number, a field or a colour, and
-it has more names:
+An expression can also be the brightness at each point of a lamp. Its last line is then a number, a field or a colour,
+and it has more names:
 
 - `depth` is the depth of a point below the surface, in metres of the lamp's own space. It is the field of the shape
   without its sign, and as exact as that.
@@ -114,8 +115,8 @@ it has more names:
 - `along` is 0 where the curve of a tube begins and 1 where it ends, by its length: of a curve object or of neon. It is that of the nearest tube of
   a combination, also where it is bent, repeated or displaced, and 0 in a lamp without tubes.
 
-Only ratios matter, as the power of the lamp sets its light. Without *Normalize*, the radiance per metre is multiplied. The lamp is
-dark where the last line is negative or undefined. The presets are such expressions:
+Only ratios matter, as the power of the lamp sets its light. Without *Normalize*, the radiance per metre is multiplied.
+The lamp is dark where the last line is negative or undefined. The presets are such expressions:
 """
 
 _GROUPED = ("Shapes", "Combinations", "Operators")  # groups with many entries

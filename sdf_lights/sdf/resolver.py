@@ -25,7 +25,8 @@ _MOST_COMPARED = 1000  # names: each takes some microseconds
 
 
 class Request(NamedTuple):
-    """``kind`` is a word of ``builtin_data.DATA``, or ``COLOURS`` of an image; ``settings`` are its other arguments, by name."""
+    """``kind`` is a word of ``builtin_data.DATA``, or ``COLOURS`` of an image; ``settings`` are its other arguments, by
+    name."""
 
     kind: str
     name: str
@@ -85,8 +86,8 @@ class NoResolver:
 
 
 class Arrays:
-    """Things from NumPy: ``images`` (height, width, channels), linear, with the upper row first, ``meshes`` as vertices (n, 3) and
-    triangles (m, 3), and ``shapes`` for names of objects. Texts need Blender's fonts.
+    """Things from NumPy: ``images`` (height, width, channels), linear, with the upper row first,
+    ``meshes`` as vertices (n, 3) and triangles (m, 3), and ``shapes`` for names of objects. Texts need Blender's fonts.
     """
 
     def __init__(
@@ -167,7 +168,7 @@ class _Recorder:
             raise
         return found
 
-    def has_answers(self, answers: Mapping[Request, Shape | str]) -> bool:
+    def has_answers(self, answers: Mapping[Request, Shape | Table | str]) -> bool:
         """Whether the resolver answers so."""
         for request in answers:
             try:

@@ -126,8 +126,8 @@ _ESCAPED = {"n": "\n", "\\": "\\", '"': '"', "'": "'", "t": "\t"}
 
 
 def _without_texts(line: str, number: int, texts: dict[tuple[int, int], tuple[str, int]]) -> tuple[str, str]:
-    """A line with other letters in its texts, which are put into ``texts`` by line and column from 0, each with the length
-    that it has in the line; and its remark.
+    """A line with other letters in its texts, which are put into ``texts`` by line and column from 0, each with the
+    length that it has in the line; and its remark.
 
     So Python's parser never sees what the texts say.
     """

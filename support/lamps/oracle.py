@@ -35,7 +35,7 @@ LANE = np.dtype(
         ("t", np.float64),
         ("value", np.float64),  # of the last step; the value is NaN before the first
         ("inside", np.int64),
-        ("halvings", np.int64),  # that remain for the crossing between ``t`` and ``ahead``
+        ("halvings", np.int64),  # that remain for the crossing between ``t`` and ``precompile``
         ("low", np.float64),
         ("high", np.float64),
         ("ahead", np.float64),

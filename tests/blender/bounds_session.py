@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What test_native_gui runs in a Blender with a window: all that Blender does by the bounds of an object, with lamps."""
+"""What test_native_gui runs in a Blender with a window: all that Blender does by the bounds of an object, with
+lamps."""
 
 import pathlib
 import sys

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What test_object_lamps_gui runs in a Blender with a window: a sign of a text, written, rendered in the viewport, and undone."""
+"""What test_object_lamps_gui runs in a Blender with a window: a sign of a text, written, rendered in the viewport, and
+undone."""
 
 import pathlib
 import sys

@@ -185,8 +185,8 @@ FRAMES, TASKS = 10, 2
 
 @pytest.mark.gui
 def test_a_farm_renders_an_animation(installed, tmp_path):
-    """By the job that a command writes, with Open Job Description's own runner. One task is killed; its frames are whole after the
-    next run."""
+    """By the job that a command writes, with Open Job Description's own runner. One task is killed; its frames are
+    whole after the next run."""
     openimageio = pytest.importorskip("OpenImageIO")
     python = environment_with("openjd-cli==0.8.0", tmp_path / "openjd")
     job, folder = installed.folder / "job.json", installed.folder / "frames"

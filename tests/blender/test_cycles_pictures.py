@@ -13,7 +13,8 @@ pytest.importorskip("_cycles")
 
 @pytest.fixture
 def room(file, add, quad, material):
-    """A diffuse floor and wall, a wall of rough metal, a bar of glass and a stack of clear sheets under an area light."""
+    """A diffuse floor and wall, a wall of rough metal, a bar of glass and a stack of clear sheets under an area
+    light."""
     bpy.ops.preferences.addon_enable(module="cycles")
 
     def surface(name: str, kind: str, **inputs):

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Words and nodes of data in Blender: what names mean, that lamps stay live, and that nothing is lost with files and undo."""
+"""Words and nodes of data in Blender: what names mean, that lamps stay live, and that nothing is lost with files and
+undo."""
 
 import math
 

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""No setting is silent: each number, switch and choice that Blender's data has is read, told of as not supported, or named
-here as one that changes no picture of Cycles either.
+"""No setting is silent: each number, switch and choice that Blender's data has is read, told of as not supported, or
+named here as one that changes no picture of Cycles either.
 
-In a scene in which much is used, one property after the other gets another value. Then the scene of the engine differs, or its
-warnings do, or ``NO_PICTURE`` has the property. So a setting that a newer Blender brings is found.
+In a scene in which much is used, one property after the other gets another value. Then the scene of the engine differs,
+or its warnings do, or ``NO_PICTURE`` has the property. So a setting that a newer Blender brings is found.
 """
 
 from __future__ import annotations
@@ -40,7 +40,8 @@ NO_PICTURE = {
     # without several views, modifiers, particles and volumes
     r"use_multiview|use_simplify.*|simplify_.*|border_min_y|use_freestyle|engine|frame_map_.*|motion_blur_shutter_curve",
     "scene.cycles": r"bake_type|debug_.*|sample_offset|sample_subset_length|use_layer_samples|use_camera_cull|camera_cull_margin|"
-    r"use_distance_cull|distance_cull_margin|texture_(limit|resolution).*",  # nothing is far away, and there are no images
+    # nothing is far away, and there are no images
+    r"use_distance_cull|distance_cull_margin|texture_(limit|resolution).*",
     "layer": r"use|use_ao|use_freestyle|use_volumes|use_grease_pencil|use_pass_combined|use_pass_cryptomatte_accurate|use_pass_grease_pencil",
     "layer.cycles": r"denoising_pass_.*",  # what the denoiser sees, not the picture
     "object": r"parent_.*|use_parent_.*|use_camera_lock_parent|track_axis|up_axis|location|rotation_(quaternion|axis_angle|mode)|"

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Powers, colours and emissions that are infinite, huge or no numbers: every pixel is finite, and one sentence says why."""
+"""Powers, colours and emissions that are infinite, huge or no numbers: every pixel is finite, and one sentence says
+why."""
 
 import warnings
 

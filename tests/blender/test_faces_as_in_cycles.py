@@ -55,7 +55,8 @@ def test_normal_maps_of_scaled_flat_faces(render, lit, add, quad, material, inst
 @pytest.mark.parametrize("together", [True, False])
 @pytest.mark.parametrize("tilt", [0.0, 0.4])
 def test_faces_in_the_same_place_hide_light_from_each_other(render, lit, add, together, tilt):
-    """Left two faces, right one. Of level faces no light comes to any of two; of tilted ones that is left to rounding."""
+    """Left two faces, right one. Of level faces no light comes to any of two; of tilted ones that is left to
+    rounding."""
     left = [(-3, -2, 0), (0, -2, 0), (0, 2, 0), (-3, 2, 0)]
     right = [(0, -2, 0), (3, -2, 0), (3, 2, 0), (0, 2, 0)]
     mesh, other = bpy.data.meshes.new("Floor"), bpy.data.meshes.new("Other")

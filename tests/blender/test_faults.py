@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A process that is ended without warning, at random moments of a render, an animation, of saving: what it leaves is whole,
-but for the frame in work, and the next process goes on as if nothing had been."""
+"""A process that is ended without warning, at random moments of a render, an animation, of saving: what it leaves is
+whole, but for the frame in work, and the next process goes on as if nothing had been."""
 
 import json
 import pathlib

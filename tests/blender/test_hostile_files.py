@@ -146,8 +146,8 @@ def test_words_are_never_run(file, stage, pictures, tmp_path, trap, capfd, place
 
 
 def test_nothing_of_the_program_runs_words_or_unpickles():
-    """The one place that unpickles is the cache, after a checksum and a look at the owner (tests/test_kernel_cache.py). The one
-    that starts processes starts Python with words of its own, to compile kernels."""
+    """The one place that unpickles is the cache, after a checksum and a look at the owner (tests/test_kernel_cache.py).
+    The one that starts processes starts Python with words of its own, to compile kernels."""
     forbidden = {"eval", "exec", "compile", "__import__"}
     modules = {"pickle", "marshal", "shelve", "subprocess", "code", "ctypes", "runpy"}
     found = set()

@@ -13,8 +13,8 @@ PIXELS = 32
 
 @pytest.fixture
 def pictures_of_both(file, add, material, tmp_path):
-    """Function: pictures (height, width, 3) of a scaled and turned object with an image texture that glows, by SDF Lights
-    on a device, and by Cycles."""
+    """Function: pictures (height, width, 3) of a scaled and turned object with an image texture that glows, by SDF
+    Lights on a device, and by Cycles."""
     pytest.importorskip("_cycles")
     pytest.importorskip("OpenImageIO")
     bpy.ops.preferences.addon_enable(module="cycles")

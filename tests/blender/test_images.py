@@ -30,7 +30,8 @@ COLORS[..., 3] = RNG.choice([0.0, 0.4, 0.8, 1.0], (SIZE, SIZE))
 OPAQUE = COLORS.copy()
 OPAQUE[..., 3] = 1.0
 
-# What two pictures may differ by: Cycles' samples lie up to 0.005 pixels off the centre, and its half floats are rounded.
+# What two pictures may differ by: Cycles' samples lie up to 0.005 pixels off the centre, and its half floats are
+# rounded.
 CLOSE = dict(abs=6e-3, rel=2e-3)
 
 

@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Random trees of groups, reroutes, muted nodes and repeat zones are what Blender makes of them, which takes such trees apart
-itself since 5.0."""
+"""Random trees of groups, reroutes, muted nodes and repeat zones are what Blender makes of them, which takes such trees
+apart itself since 5.0."""
 
 import random
 
@@ -25,8 +25,9 @@ SEEDS = range(130), pytest.param(range(130, 600), marks=pytest.mark.slow)
 NODES, DEEPEST, POINTS = 7, 3, 4
 NEAR = 2e-4  # Blender rounds the weights of a luminance to four digits, and computes in single precision
 KINDS = {"Float": "VALUE", "Vector": "VECTOR", "Color": "RGBA"}
-# Of each kind of node its settings, of which one is chosen. None gives infinite numbers, and Blender computes each itself where
-# its inputs are constants: a constant is converted by sockets of groups and muted nodes, what varies is not.
+# Of each kind of node its settings, of which one is chosen. None gives infinite numbers, and Blender computes each
+# itself where its inputs are constants: a constant is converted by sockets of groups and muted nodes, what varies is
+# not.
 PLAIN = {
     "ShaderNodeMath": ("operation", ("ADD", "MULTIPLY", "SUBTRACT", "MINIMUM", "MAXIMUM", "SINE", "MULTIPLY_ADD")),
     "ShaderNodeVectorMath": ("operation", ("ADD", "MULTIPLY", "CROSS_PRODUCT", "DOT_PRODUCT", "SCALE", "ABSOLUTE")),

@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What Blender does by the bounds of an object, with lamps: their bodies, Apply Scale, Origin to Geometry, and what other
-engines see. The window is in test_native_gui.py."""
+"""What Blender does by the bounds of an object, with lamps: their bodies, Apply Scale, Origin to Geometry, and what
+other engines see. The window is in test_native_gui.py."""
 
 import bpy
 import numpy as np
@@ -39,7 +39,8 @@ def test_blender_has_no_place_for_operators_of_the_names_of_its_own(registered):
 
 @pytest.fixture
 def same(add, lamp, file):
-    """Function: apply a change to a lamp with this text or primitive, and say whether shape and pattern stay in the world."""
+    """Function: apply a change to a lamp with this text or primitive, and say whether shape and pattern stay in the
+    world."""
 
     def run(change, text="", shape="SPHERE", emission="UNIFORM", scale=(1.0, 1.0, 1.0)):
         light = lamp(shape=shape)

@@ -18,7 +18,8 @@ RED, GREEN, BLUE = np.eye(3)
 
 @pytest.fixture
 def room(file, add, quad, material):
-    """A floor, a wall of rough metal, a translucent pane, a block and a screen, lit by a red, a green and a blue light."""
+    """A floor, a wall of rough metal, a translucent pane, a block and a screen, lit by a red, a green and a blue
+    light."""
     bpy.ops.preferences.addon_enable(module="cycles")
 
     def surface(name: str, kind: str, roughness=None):

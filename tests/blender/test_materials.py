@@ -14,8 +14,8 @@ from sdf_lights.render.reference.nodes import Graph
 
 @pytest.fixture
 def surface(synced, add, quad, material):
-    """Function: builds a material with ``build(tree) -> output socket`` on a quad; returns (its surface, with numbers for
-    what is constant, and the scene)."""
+    """Function: builds a material with ``build(tree) -> output socket`` on a quad; returns (its surface, with numbers
+    for what is constant, and the scene)."""
 
     def run(build):
         made, tree, output = material()

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Meshes as lamps: what they enclose, that they follow modifiers and armatures, and what they say where they cannot be lamps."""
+"""Meshes as lamps: what they enclose, that they follow modifiers and armatures, and what they say where they cannot be
+lamps."""
 
 import bpy
 import numpy as np

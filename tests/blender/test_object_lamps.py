@@ -79,7 +79,8 @@ def test_a_text_has_the_area_that_blender_fills(text, lamp, body):
 
 
 def test_every_glyph_of_the_default_font_is_filled(text, lamp):
-    """Contours of a glyph that cross are joined, as fonts mean it; Blender fills some of those wrongly, so they are left out."""
+    """Contours of a glyph that cross are joined, as fonts mean it; Blender fills some of those wrongly, so they are
+    left out."""
     obj = text("x")
     light = lamp()
     light.sdf_lamp.source, light.sdf_lamp.object, light.sdf_lamp.thickness = "OBJECT", obj, 1.0

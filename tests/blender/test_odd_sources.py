@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Odd texts, meshes, pictures and files at F12: each is a lamp, or is named in one sentence, and the others are rendered."""
+"""Odd texts, meshes, pictures and files at F12: each is a lamp, or is named in one sentence, and the others are
+rendered."""
 
 import bpy
 import numpy as np

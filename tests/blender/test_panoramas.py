@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Panoramas and pairs of eyes show what they show in Cycles: a ball of colours around the camera, looked at without noise."""
+"""Panoramas and pairs of eyes show what they show in Cycles: a ball of colours around the camera, looked at without
+noise."""
 
 import contextlib
 import math

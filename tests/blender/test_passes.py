@@ -22,8 +22,8 @@ LOBES = [f"{lobe}_{part}" for lobe in ("diffuse", "glossy", "transmission") for 
 
 @pytest.fixture
 def scene(file, add, quad, material):
-    """Objects of most lobes before a grey world, lit by an area light: diffuse, rough metal, rough glass, plastic, a half
-    transparent sheet, and one that glows."""
+    """Objects of most lobes before a grey world, lit by an area light: diffuse, rough metal, rough glass, plastic, a
+    half transparent sheet, and one that glows."""
     bpy.ops.preferences.addon_enable(module="cycles")
     half = math.pi / 2
 

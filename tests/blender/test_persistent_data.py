@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""With Blender's Persistent Data, frames are the same bits as without, whatever has changed between them; what has not changed
-is not read again."""
+"""With Blender's Persistent Data, frames are the same bits as without, whatever has changed between them; what has not
+changed is not read again."""
 
 import math
 import os

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A window may show one scene while another one is rendered: what nodes ask of the scene is what the rendered one has."""
+"""A window may show one scene while another one is rendered: what nodes ask of the scene is what the rendered one
+has."""
 
 import bpy
 import pytest

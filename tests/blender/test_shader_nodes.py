@@ -1,11 +1,13 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every shader node, in every mode that this Blender has, looks as in its Cycles: within 1 %, in the mean and the 99th percentile.
+"""Every shader node, in every mode that this Blender has, looks as in its Cycles: within 1 %, in the mean and the 99th
+percentile.
 
 Materials of many nodes are within 2 % in the mean.
 
-Whole grids of nodes are rendered in a process of its own, by ``scripts/bench nodes``; each case is one test. The default suite
-takes the first case of each node of values, the slow one all of them, and the first of each closure, volume and displacement.
+Whole grids of nodes are rendered in a process of its own, by ``scripts/bench nodes``; each case is one test. The
+default suite takes the first case of each node of values, the slow one all of them, and the first of each closure,
+volume and displacement.
 """
 
 import json

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Hours of work in short: edits, undos, renders and cancels in one process, which keeps neither memory, threads nor handles."""
+"""Hours of work in short: edits, undos, renders and cancels in one process, which keeps neither memory, threads nor
+handles."""
 
 import os
 import pathlib

@@ -60,7 +60,8 @@ def feed(tree, node, name: str) -> None:
 
 @pytest.fixture
 def stage(file, add, material):
-    """Function: a ball, a slab with light behind it, and two blocks in one another, one mirrored, of a case's material."""
+    """Function: a ball, a slab with light behind it, and two blocks in one another, one mirrored, of a case's
+    material."""
     bpy.ops.preferences.addon_enable(module="cycles")
 
     def run(name: str):
@@ -113,7 +114,8 @@ def both(scene, pictures, samples: int) -> tuple[np.ndarray, np.ndarray]:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_scenes_look_as_in_cycles(stage, pictures, name):
-    """The mean within 1 %; blocks of 8 × 8 pixels, whose noise is about 1 %, within 1.5 % of the picture's mean on average."""
+    """The mean within 1 %; blocks of 8 × 8 pixels, whose noise is about 1 %, within 1.5 % of the picture's mean on
+    average."""
     pytest.importorskip("_cycles")
     ours, theirs = both(stage(name), pictures, 128)
     near = [picture.reshape(4, 8, 6, 8, 3).mean((1, 3)) for picture in (ours, theirs)]

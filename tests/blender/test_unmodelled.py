@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Nothing is silent: what a scene asks for and this engine lacks is told, in the report, before a render, and to farms."""
+"""Nothing is silent: what a scene asks for and this engine lacks is told, in the report, before a render, and to
+farms."""
 
 import bpy
 import pytest

@@ -18,8 +18,8 @@ PATIENCE = 300.0  # machine code may have to be compiled first
 
 @pytest.fixture
 def viewport(file, synced, add, quad, material, monkeypatch):
-    """The node tree of a floor that glows with noise, its output's socket, and a function that gives the viewport's picture of
-    the scene as it is, and how many kernels and graphs were compiled for it."""
+    """The node tree of a floor that glows with noise, its output's socket, and a function that gives the viewport's
+    picture of the scene as it is, and how many kernels and graphs were compiled for it."""
     monkeypatch.setattr(codegen_native, "_compiled", OrderedDict())  # which forgets graphs when there are many
     _, tree, output = material("Floor")
     glow = tree.nodes.new("ShaderNodeEmission")

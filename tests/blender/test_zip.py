@@ -42,7 +42,8 @@ def older_version(path: pathlib.Path, folder: pathlib.Path) -> pathlib.Path:
 def run_session(
     command: list[str], zip_path: pathlib.Path, folder: pathlib.Path, compiles: bool = True
 ) -> tuple[dict, str]:
-    """The report of ``zip_session.py``, and what Blender printed. ``compiles``: kernels are not those that other tests keep."""
+    """The report of ``zip_session.py``, and what Blender printed. ``compiles``: kernels are not those that other tests
+    keep."""
     resources, report = folder / "resources", folder / "report.json"
     resources.mkdir()
     environment = {name: value for name, value in os.environ.items() if name != "SDF_LIGHTS_CACHE" or not compiles}

@@ -153,8 +153,9 @@ void main()
 def with_lamp(
     kernel, shape, numbers: np.ndarray, sampling: LampSampling = LampSampling.CUT
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(n, k) numbers that a kernel gives for block, workspace and the vectors in the rows of ``numbers`` (n, 3 · vectors),
-    in a scene with one lamp; and what was noted of its lengths (2,): unresolved, and inside. n is a multiple of ``GROUP``."""
+    """(n, k) numbers that a kernel gives for block, workspace and the vectors in the rows of ``numbers`` (n, 3 ·
+    vectors), in a scene with one lamp; and what was noted of its lengths (2,): unresolved, and inside. n is a multiple
+    of ``GROUP``."""
     found = device_or_skip()
     scene = scenes.SCENES["torus_room"](8, 6)
     scene.lamps = [dataclasses.replace(scene.lamps[0], shape=shape, matrix=np.eye(4))]

@@ -103,7 +103,8 @@ def drawn(block, workspace, x, n, u, d):
 
 @pytest.mark.parametrize("shape", ["torus", "nested", "balls", "shell"])
 def test_the_gpu_draws_what_the_cpu_does(shape):
-    """The same directions but where rounding takes another way, and the same densities but where a ray grazes an edge."""
+    """The same directions but where rounding takes another way, and the same densities but where a ray grazes an
+    edge."""
     rng = np.random.default_rng(7)
     for x, n in POINTS.values():
         here = FlatCut(TRACED[shape], x, n)

@@ -15,11 +15,13 @@ from sdf_lights.render.film import Film
 from sdf_lights.render.gpu.packed_scene import GpuScene
 from sdf_lights.render.kernels import media, subsurface
 from sdf_lights.render.scene import Primitive
-from support import media_scenes, scenes, strand_scenes
+from support import scenes
+from support.scenes.media import MEDIA_SCENES
+from support.scenes.strands import fur
 
 pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installed")
 
-SCENES = scenes.SCENES | media_scenes.MEDIA_SCENES
+SCENES = scenes.SCENES | MEDIA_SCENES
 
 
 def kernels_of(package) -> set[str]:
@@ -69,13 +71,14 @@ def test_only_scenes_with_curves_and_spheres_have_code_for_them():
     plain = source(scenes.torus_room(8, 6))
     assert "#define STRANDS" not in plain and "surface_fill" not in plain and "hit_ribbon" not in plain
     for kind in tuple(Primitive)[1:]:
-        furry = source(strand_scenes.fur(8, 6, (kind,)))
+        furry = source(fur(8, 6, (kind,)))
         assert "surface_fill" in furry and f"#define HAS_{kind.name} {int(kind)}\n" in furry
         assert furry.count("#define HAS_") == 1
 
 
 def test_only_films_with_such_passes_have_code_for_them():
-    """For the light by lobes, and for properties of surfaces; nor have scenes with shadow catchers more than they need."""
+    """For the light by lobes, and for properties of surfaces; nor have scenes with shadow catchers more than they
+    need."""
 
     def found(*passes: str, catcher: bool = False) -> set[str]:
         scene = scenes.torus_room(8, 6)

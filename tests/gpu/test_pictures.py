@@ -3,15 +3,16 @@
 """The GPU's pictures against the CPU's, pass by pass.
 
 Both draw the same numbers for the same seed, so most samples are the same but for rounding, and the difference of two
-pictures is far less than their noise. With projection sampling of SDF lamps the mean difference of each block of pixels and of
-the picture has to be zero within what float32 and the rare sample that takes another way explain. Cuts have other boxes on the
-GPU, which has them for direct light alone: there the difference has to be zero within the noise of both.
+pictures is far less than their noise. With projection sampling of SDF lamps the mean difference of each block of pixels
+and of the picture has to be zero within what float32 and the rare sample that takes another way explain. Cuts have
+other boxes on the GPU, which has them for direct light alone: there the difference has to be zero within the noise of
+both.
 
-Pixels draw their numbers independently. So the differences of pixels are tested, by Student's t over the pixels of all seeds: a
-block has ``SEEDS`` · 16 of them, the picture ``SEEDS`` · 768. Two right renderers fail in a scene with probability 1 −
-``CONFIDENCE``, over all passes, channels and blocks together. For that, t may be 6 in a block. A difference is found with
-probability 95 % from 8 standard errors on. ``test_a_small_difference_is_found`` has an example: ``FOUND`` of the light in the
-picture, or of that in one block.
+Pixels draw their numbers independently. So the differences of pixels are tested, by Student's t over the pixels of all
+seeds: a block has ``SEEDS`` · 16 of them, the picture ``SEEDS`` · 768. Two right renderers fail in a scene with
+probability 1 − ``CONFIDENCE``, over all passes, channels and blocks together. For that, t may be 6 in a block. A
+difference is found with probability 95 % from 8 standard errors on. ``test_a_small_difference_is_found`` has an
+example: ``FOUND`` of the light in the picture, or of that in one block.
 """
 
 import dataclasses
@@ -26,10 +27,11 @@ from sdf_lights.render.film import NO_DEPTH, Film
 from sdf_lights.render.material import Material, Node
 from sdf_lights.render.passes import LIGHT_SUMS, aov_pass, light_group_pass, matte_passes, own_pass
 from sdf_lights.render.passes import PASSES as PASSES_OF_ALL
-from sdf_lights.render.scene import Instance, Primitive, World
+from sdf_lights.render.scene import Instance, Primitive, Scene, World
 from sdf_lights.render.settings import LampPaths, LampSampling, Settings
-from support import media_scenes, scenes, strand_scenes
+from support import scenes
 from support.blocks import BLOCK, means
+from support.scenes import media, strands
 from tests.gpu.support import device_or_skip
 from tests.render.test_agreement import PASSES
 
@@ -39,7 +41,7 @@ SEEDS, SAMPLES, CONFIDENCE = 6, 8, 0.9999
 FOUND = 2e-3, 2e-2
 # Scenes that are not compared with the others: some have tests of their own, a rolling shutter is not on the GPU.
 APART = ("torus_room", "subsurface", "fog_lamp", "fur", "moving", "moving_strands", "rolling")
-SCENES = scenes.SCENES | media_scenes.MEDIA_SCENES | strand_scenes.STRAND_SCENES
+SCENES = scenes.SCENES | media.MEDIA_SCENES | strands.STRAND_SCENES
 
 
 def sample_as_on_the_gpu(settings: Settings) -> None:
@@ -86,7 +88,8 @@ def both(name: str, *arguments, **options) -> tuple[dict[str, np.ndarray], dict[
 
 
 def by_block(values: np.ndarray) -> list[np.ndarray]:
-    """(pixels, blocks or 1, channels) of ``values`` (seeds, height, width, channels), for blocks and for the picture."""
+    """(pixels, blocks or 1, channels) of ``values`` (seeds, height, width, channels), for blocks and for the
+    picture."""
     seeds, height, width, channels = values.shape
     blocks = values.reshape(seeds, height // BLOCK, BLOCK, width // BLOCK, BLOCK, channels)
     blocks = blocks.transpose(0, 2, 4, 1, 3, 5).reshape(seeds * BLOCK**2, -1, channels)
@@ -169,7 +172,7 @@ def test_light_below_surfaces():
 def test_shadow_catchers():
     """Under a lamp and a sky, sample by sample."""
 
-    def make() -> scenes.Scene:
+    def make() -> Scene:
         scene = scenes.torus_room(16, 16)
         scene.instances[0].catcher = True
         scene.world = World((0.3, 0.4, 0.6), 0.4)
@@ -288,7 +291,7 @@ def test_emission_that_traces_rays():
 def test_faces_in_the_same_place():
     """Three instances of one wall: they hide light from each other, as on the CPU."""
 
-    def make() -> scenes.Scene:
+    def make() -> Scene:
         scene = scenes.torus_room(16, 16)
         scene.instances += [dataclasses.replace(scene.instances[0], name=f"again {index}") for index in range(2)]
         return scene
@@ -304,7 +307,7 @@ def test_hair_and_points():
 
 @pytest.mark.parametrize("kind", tuple(Primitive)[1:], ids=lambda kind: kind.name.lower())
 def test_rays_meet_each_kind_of_hair_where_embree_does(kind):
-    compare_samples(lambda: strand_scenes.fur(24, 18, (kind,)), ("Position",), 0.001)
+    compare_samples(lambda: strands.fur(24, 18, (kind,)), ("Position",), 0.001)
 
 
 def test_lamp_in_fog():

@@ -14,10 +14,11 @@ from sdf_lights.render import session
 from sdf_lights.render.film import Film
 from sdf_lights.render.gpu import lamp_kernels, packed_scene, renderer
 from sdf_lights.render.gpu.device import DeviceError
+from sdf_lights.render.scene import Lamp, Scene
 from sdf_lights.render.settings import Device, LampSampling
 from sdf_lights.sdf.expression import Expression
 from support import scenes
-from support.scenes import Lamp, Scene, camera, settings, translation
+from support.scenes import camera, settings, translation
 from tests.gpu.support import device_or_skip
 
 pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installed")
@@ -90,7 +91,8 @@ def test_the_cpu_takes_over_in_the_middle(monkeypatch):
 
 
 def test_samples_that_a_driver_cuts_short_are_taken_again():
-    """A close view of a fractal: llvmpipe ends all loops of a thread after 65535 turns in all. Samples that it ended had less light."""
+    """A close view of a fractal: llvmpipe ends all loops of a thread after 65535 turns in all. Samples that it ended
+    had less light."""
     device_or_skip()
     films = []
     for device in (Device.CPU, Device.GPU):

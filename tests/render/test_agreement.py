@@ -14,13 +14,14 @@ from scipy import stats
 from sdf_lights import jit
 from sdf_lights.render.film import NO_DEPTH, Film
 from sdf_lights.render.reference.renderer import ReferenceRenderer
-from support import media_scenes, scenes, strand_scenes
+from support import scenes
 from support.blocks import means
+from support.scenes import media, strands
 
 pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installed")
 
 SEEDS, CONFIDENCE = 8, 0.9999
-SCENES = scenes.SCENES | media_scenes.MEDIA_SCENES | strand_scenes.STRAND_SCENES
+SCENES = scenes.SCENES | media.MEDIA_SCENES | strands.STRAND_SCENES
 PASSES = ("Combined", "Depth", "Position", "Normal", "Diffuse Color", "Denoising Albedo", "Emission", "SDF Lamps")
 # The first surface of a path is left to chance in media: where both find it by other chances, its data differ.
 WITH_MEDIA = ("Combined", "SDF Lamps")
@@ -107,13 +108,13 @@ def test_media_agree_with_reference(name):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", media_scenes.MEDIA_SCENES)
+@pytest.mark.parametrize("name", media.MEDIA_SCENES)
 def test_media_agree_with_reference_closely(name):
     compare(name, 16, WITH_MEDIA)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", scenes.SCENES | strand_scenes.STRAND_SCENES)
+@pytest.mark.parametrize("name", scenes.SCENES | strands.STRAND_SCENES)
 def test_path_tracer_agrees_with_reference_closely(name):
     """All scenes, with error bars 0.6 times as wide."""
     # Of a rolling shutter the reference builds the scene anew for each line of each sample.

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Everything that is registered as a back end, a light, a BSDF … has the functions of ``interfaces``, with their parameters."""
+"""Everything that is registered as a back end, a light, a BSDF … has the functions of ``interfaces``, with their
+parameters."""
 
 import importlib
 import inspect

@@ -57,7 +57,8 @@ def hundred_lamps(width, height):
 
 
 def glowing(width, height):
-    """Lamps that glow in their skin, below, and in stripes: clear of everything, in the floor, and too fine for any tree."""
+    """Lamps that glow in their skin, below, and in stripes: clear of everything, in the floor, and too fine for any
+    tree."""
     scene = SCENES["torus_room"](width, height)
     add(
         scene,

@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Light paths: the picture's mean is the same, its noise less; threads change nothing; a scene that cannot have them, or
-does not gain, keeps its picture to the last bit. ``test_agreement`` compares the scene "cove" with the reference."""
+"""Light paths: the picture's mean is the same, its noise less; threads change nothing; a scene that cannot have them,
+or does not gain, keeps its picture to the last bit. ``test_agreement`` compares the scene "cove" with the reference."""
 
 import dataclasses
 import itertools
@@ -19,7 +19,7 @@ from sdf_lights.render.scene import Primitive, Ray, World
 from sdf_lights.render.settings import LampPaths
 from support.blocks import means
 from support.scenes import add, camera, cove, material, scaling, torus_lamp, torus_room, translation
-from support.strand_scenes import tuft
+from support.scenes.strands import tuft
 
 pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installed")
 
@@ -45,7 +45,8 @@ def picture(lamp_paths: LampPaths, build=cove, size=SIZE, change=lambda scene: N
     ids=["plain", "tight limits"],
 )
 def test_light_paths_change_the_noise_alone(changes):
-    """Means of the whole and of blocks over 24 renders each agree within 4.5 standard errors: by chance, one set of seeds in a hundred would not."""
+    """Means of the whole and of blocks over 24 renders each agree within 4.5 standard errors: by chance, one set of
+    seeds in a hundred would not."""
     found = [
         np.array([picture(each, seed=seed, samples=16, **changes) for seed in range(24)]) for each in (WITHOUT, ALWAYS)
     ]
@@ -80,7 +81,8 @@ def test_samples_do_not_depend_on_how_they_are_asked_for():
 
 @pytest.mark.parametrize("ends", [(0, 16, 32, 48, 64), (0, 5, 24, 25, 64)], ids=["equal", "anywhere"])
 def test_ranges_of_samples_are_one_render(ends):
-    """Their mean by the number of samples is the picture of one render: ranges have the light paths that their samples have there."""
+    """Their mean by the number of samples is the picture of one render: ranges have the light paths that their samples
+    have there."""
 
     def part(first: int, end: int) -> np.ndarray:
         fixed = dict(sample_offset=first, samples=end - first, indirect_paths=2, guided_samples=False)
@@ -94,8 +96,8 @@ def test_ranges_of_samples_are_one_render(ends):
 
 @pytest.mark.slow
 def test_ranges_that_choose_light_paths_themselves_have_no_bias():
-    """Each range tries light paths by its own samples. The mean of four ranges is that of renders without light paths, within
-    4.5 standard errors: by chance, one set of seeds in a hundred thousand would not be."""
+    """Each range tries light paths by its own samples. The mean of four ranges is that of renders without light paths,
+    within 4.5 standard errors: by chance, one set of seeds in a hundred thousand would not be."""
 
     def joined(seed: int) -> float:
         return float(
@@ -245,8 +247,8 @@ TOON = Node(
     ids=["light", "skin", "world", "mesh", "restricted lamp", "brushed", "toon", "strands"],
 )
 def test_what_they_do_not_follow_is_left_to_paths(change):
-    """Light paths are used, and means of the whole and of blocks over 24 renders each agree within 4.5 standard errors: by
-    chance, one set of seeds in a hundred would not."""
+    """Light paths are used, and means of the whole and of blocks over 24 renders each agree within 4.5 standard errors:
+    by chance, one set of seeds in a hundred would not."""
     found = [
         np.array([picture(each, change=change, seed=seed, samples=8) for seed in range(24)])
         for each in (WITHOUT, ALWAYS)
@@ -297,9 +299,9 @@ def test_a_few_bright_pixels_do_not_decide():
 
 
 def test_noise_of_direct_light_promises_nothing():
-    assert pilot.promises(_pilot(4.0, 0.1))
-    assert not pilot.promises(_pilot(4.0, 3.9))
-    assert not pilot.promises(_pilot(0.0))
+    assert pilot.may_pay(_pilot(4.0, 0.1))
+    assert not pilot.may_pay(_pilot(4.0, 3.9))
+    assert not pilot.may_pay(_pilot(0.0))
 
 
 def test_pilot_pixels_are_few_and_even():

@@ -90,7 +90,8 @@ def test_where_memory_is_not_known_nothing_is_refused(monkeypatch):
 
 @pytest.mark.slow
 def test_a_region_of_16k_is_that_of_a_small_picture():
-    """A still of 16,384 × 16,384 pixels is rendered in parts: the strip of each is the strip of the small picture, but for noise."""
+    """A still of 16,384 × 16,384 pixels is rendered in parts: the strip of each is the strip of the small picture, but
+    for noise."""
     means = []
     for size, samples in ((512, 128), (16_384, 1)):
         scene = scenes.SCENES["torus_room"](size, size)

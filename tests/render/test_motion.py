@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Poses between poses, exposures, and pictures of what moves. ``test_agreement.py`` compares them with the reference."""
+"""Poses between poses, exposures, and pictures of what moves. ``test_agreement.py`` compares them with the
+reference."""
 
 from dataclasses import replace
 

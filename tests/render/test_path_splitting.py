@@ -9,22 +9,10 @@ import pytest
 
 from sdf_lights.render import sample_allocation, session
 from sdf_lights.render.film import Film
+from sdf_lights.render.scene import Instance, Lamp, Scene
 from sdf_lights.render.settings import MOST_BRANCHES, START_BRANCHES
 from sdf_lights.sdf.shapes import Torus
-from support.scenes import (
-    Instance,
-    Lamp,
-    Scene,
-    camera,
-    diffuse,
-    material,
-    quad,
-    rotation,
-    scaling,
-    settings,
-    sphere,
-    translation,
-)
+from support.scenes import camera, diffuse, material, quad, rotation, scaling, settings, sphere, translation
 
 SIZE = 24
 
@@ -199,7 +187,8 @@ def test_a_row_of_pixels_divides():
 
 
 def test_branches_that_promise_little_are_left_out():
-    """A single branch has no others to be compared with. Around the room there is a ball, so that all rays meet surfaces."""
+    """A single branch has no others to be compared with. Around the room there is a ball, so that all rays meet
+    surfaces."""
     films = []
     for branches in (1, 16):
         scene = room(samples=8, indirect_paths=branches, guided_samples=False)

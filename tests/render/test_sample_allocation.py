@@ -9,21 +9,9 @@ import pytest
 
 from sdf_lights.render import sample_allocation, session
 from sdf_lights.render.film import LEAST_SAMPLES, Film
+from sdf_lights.render.scene import Instance, Lamp, Scene
 from sdf_lights.sdf.shapes import Torus
-from support.scenes import (
-    Instance,
-    Lamp,
-    Scene,
-    box,
-    camera,
-    diffuse,
-    material,
-    quad,
-    scaling,
-    settings,
-    sphere,
-    translation,
-)
+from support.scenes import box, camera, diffuse, material, quad, scaling, settings, sphere, translation
 
 SIZE = 40
 
@@ -84,8 +72,8 @@ def test_the_mean_stays():
 
 @pytest.mark.parametrize("samples", [1, 7, 8, 24, 64, 100])
 def test_numbers_of_samples(samples):
-    """About as many on the whole; between half, or the power of two below, and eight times as many in each pixel, and where
-    they differ a power of two, which fills a Sobol sequence; none is guided too early."""
+    """About as many on the whole; between half, or the power of two below, and eight times as many in each pixel, and
+    where they differ a power of two, which fills a Sobol sequence; none is guided too early."""
     film = session.render(stage(samples=samples), ("Sample Count",))
     assert film.samples == samples
     assert (
@@ -185,7 +173,8 @@ def test_the_fall_of_noise_is_measured(stratified):
 
 @pytest.mark.parametrize("shared", [0.0, 1.0])
 def test_what_branches_share_takes_samples(shared):
-    """Where all branches of a sample bring the same, as where the camera's ray meets other things each time, one is enough."""
+    """Where all branches of a sample bring the same, as where the camera's ray meets other things each time, one is
+    enough."""
     rng, number, branches = np.random.default_rng(6), 8, 4
     film = Film(stage(), ())
     film.samples, film.count[:] = number, number

@@ -56,6 +56,22 @@ def test_what_a_term_switches_off_exists(term):
     assert all(hasattr(sample_allocation, name) for name in values)
 
 
+def noise(first: float, second: float):
+    from sdf_lights.render import sample_allocation
+
+    count = np.full(50, 1.0)
+    return sample_allocation._Noise(np.ones(50, bool), first * count, second * count, 1.0, met=2.0, cost=3.0)
+
+
+@pytest.mark.parametrize(("first", "second"), [(0.1, 0.4), (1.0, 30.0), (0.02, 0.01)])
+def test_factors_of_ears_minimise_variance_times_time(first, second):
+    """Where all pixels are alike, the best splitting factor is √(I C / (D m))."""
+    rate, count = allocation.ears(noise(first, second), None, 16, (1.0,), (1, 2, 4, 8, 16))
+    expected = np.sqrt(second * 3.0 / (first * 2.0))
+    assert (rate == 1.0).all() and count == pytest.approx(np.clip(expected, 1.0, 16.0), abs=1.0)
+    assert (allocation.ears(noise(first, second), None, 16, (1.0,), (1,))[1] == 1.0).all()
+
+
 @pytest.mark.slow
 def test_a_scene_is_measured():
     parser = argparse.ArgumentParser()

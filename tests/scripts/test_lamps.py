@@ -48,7 +48,8 @@ def test_scenes_without_volumes_do_not_count_against_cycles():
 
 @pytest.mark.parametrize("sampler", ["BOUNDING", pytest.param("SURFACE", marks=pytest.mark.slow)])
 def test_samplers_to_compare_with_render_through_blender(sampler):
-    """The extension's copy of the program knows those that are registered: the mean of a picture, within a tenth of ours."""
+    """The extension's copy of the program knows those that are registered: the mean of a picture, within a tenth of
+    ours."""
     lamp_scenes.SCENES["S2"].build(16)
     found, ours = (Method(name, name, plain=True).render(64, 0, 0, "CPU").pixels.mean() for name in (sampler, "CUT"))
     assert found == pytest.approx(ours, rel=0.1)

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The recipes of docs/recipes.md: the page and its pictures are those of the script, and each scene is built and rendered."""
+"""The recipes of docs/recipes.md: the page and its pictures are those of the script, and each scene is built and
+rendered."""
 
 import pathlib
 import re

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The benchmark of start-up goes on with the kernels that an interrupted run has compiled, and needs none to be compiled."""
+"""The benchmark of start-up goes on with the kernels that an interrupted run has compiled, and needs none to be
+compiled."""
 
 import argparse
 import pathlib

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Words of data, without Blender: texts in quotes, what a resolver is asked, and what is said where it knows nothing."""
+"""Words of data, without Blender: texts in quotes, what a resolver is asked, and what is said where it knows
+nothing."""
 
 import numpy as np
 import pytest

@@ -3,8 +3,8 @@
 """GLSL, run on the GPU or on Mesa's software renderer, against NumPy: every operation, loop and shape.
 
 Within float32 of NumPy means: the value is inside the bounds that interval arithmetic gives when every single operation
-may be as wrong as ``glsl.PRECISION`` says. So the tolerance is that of the formula at that point: narrow where it is well
-conditioned, wide where large terms cancel, and both sides of a jump where rounding can fall on either.
+may be as wrong as ``glsl.PRECISION`` says. So the tolerance is that of the formula at that point: narrow where it is
+well conditioned, wide where large terms cancel, and both sides of a jump where rounding can fall on either.
 """
 
 import re

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Formulas of thousands of operations: in blocks that LLVM compiles in linear time, and trees that take bounded work."""
+"""Formulas of thousands of operations: in blocks that LLVM compiles in linear time, and trees that take bounded
+work."""
 
 import numpy as np
 

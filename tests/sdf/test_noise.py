@@ -13,7 +13,8 @@ from sdf_lights.sdf.noise import STEEPEST, value_noise
 
 @pytest.mark.parametrize("size, loose", [(0.02, 1.5), (0.1, 3.0), (0.3, 7.0), (1.0, 25.0)])
 def test_slopes_in_boxes(size, loose):
-    """At the median of boxes; the whole polynomial of the fade from 0 would make it 8, 60 and 1500 for the last three."""
+    """At the median of boxes; the whole polynomial of the fade from 0 would make it 8, 60 and 1500 for the last
+    three."""
     noise = value_noise(Vector(*POINT))
     rng = np.random.default_rng(1)
     low = rng.uniform(-3.0, 3.0, (100, 3))

@@ -30,8 +30,8 @@ class Figure:
 
 @dataclass(frozen=True)
 class Case:
-    """``slow``: it takes more than a few seconds. ``blender``: it renders in Blender, to compare with Cycles. ``opengl``:
-    it needs an OpenGL 4.3 context."""
+    """``slow``: it takes more than a few seconds. ``blender``: it renders in Blender, to compare with Cycles.
+    ``opengl``: it needs an OpenGL 4.3 context."""
 
     name: str
     measure: Callable[[bool], Figure]

@@ -25,7 +25,8 @@ def of_ellipsoid(matrix: np.ndarray, points: np.ndarray, normal) -> np.ndarray:
     axes, lengths, _ = np.linalg.svd(matrix[:3, :3])
     offset = (points - matrix[:3, 3]) @ axes
     squares, a = offset**2, lengths**2
-    # The confocal ellipsoid through a point: Σ y²/(a² + u) = 1 falls and is convex, so Newton's method stays to its left.
+    # The confocal ellipsoid through a point: Σ y²/(a² + u) = 1 falls and is convex, so Newton's method stays to its
+    # left.
     u = np.maximum(squares.sum(axis=1) - a[0], 0.0)
     for _ in range(200):
         terms = squares / (a + u[:, None])

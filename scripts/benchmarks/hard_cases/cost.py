@@ -134,7 +134,8 @@ def by_evaluations(hard: Shape, quick: bool, close: bool = False) -> Figure:
 
 @case("noise-evaluations")
 def noise_evaluations(quick):
-    """evaluations on a ray through a noisy field, to those of the paper's rule through the smooth one; 5 in the paper"""
+    """evaluations on a ray through a noisy field, to those of the paper's rule through the smooth one; 5 in the
+    paper"""
     noisy, smooth = evaluations(NOISY), evaluations(SMOOTH)
     return Figure(
         noisy["ours"] / smooth["fine"],

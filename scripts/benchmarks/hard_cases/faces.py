@@ -98,8 +98,8 @@ def boxed(quick):
                 )
             )
         )
-    # A ray stops at the float32 box, which is within a rounding of its coordinates, seen along the ray, of the lamp's face;
-    # grazing pixels see more of that, but not ten times.
+    # A ray stops at the float32 box, which is within a rounding of its coordinates, seen along the ray, of the lamp's
+    # face; grazing pixels see more of that, but not ten times.
     reach = 2.0 * distance * FLOAT32 * 10.0
     return Figure(float(made[1].mean() / made[0].mean()), reach / float(HALF.min()))
 

@@ -100,7 +100,7 @@ def expression_of(light: bpy.types.Light) -> str:
         return tree_text.text_of(lamp.nodes, parameters.values(lamp), None, lamp)
     if lamp.source in OF_DATA:
         shape_of(lamp)  # says what is wrong, if something is
-        name, subject, settings = sources.words_of(lamp)
+        name, subject, settings = sources.builtin_call_of(lamp)
         shown = {key: ast.Constant(v) if isinstance(v, str) else tree_text.number(v) for key, v in settings.items()}
         return tree_text.text_of_call(lines.word(name, ast.Constant(subject), **shown))
     name = lamp.shape.lower()

@@ -24,7 +24,8 @@ _COLOR = (("result", "Color", sockets.COLOR),)
 
 
 class SDFLIGHTS_Node_interior(ValueNode, bpy.types.Node):
-    """Where a point is in the lamp: its depth below the surface in metres; and from 0 to 1, its height and place across the lamp's box (U along x, V along y), and how far along the lamp's curve it is"""
+    """Where a point is in the lamp: its depth below the surface in metres; and from 0 to 1, its height and place across
+    the lamp's box (U along x, V along y), and how far along the lamp's curve it is"""
 
     bl_idname = "SDFLIGHTS_Node_interior"
     bl_label = "Interior"
@@ -226,6 +227,7 @@ class SDFLIGHTS_Node_pattern(ExpressionNode, bpy.types.Node):
             draw_text(layout, self)
 
     def source(self) -> str:
+        """Text of the expression."""
         if self.pattern != EXPRESSION:
             return presets()[self.pattern.lower()].text
         return self.text.as_string() if self.text is not None else self.expression

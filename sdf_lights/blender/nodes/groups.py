@@ -306,6 +306,8 @@ class SDFLIGHTS_OT_group_edit(bpy.types.Operator):
 
 
 class SDFLIGHTS_MT_group_add(bpy.types.Menu):
+    """Node groups of the file."""
+
     bl_label = "Group"
     bl_idname = "SDFLIGHTS_MT_group_add"
 

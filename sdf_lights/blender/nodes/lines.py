@@ -2,11 +2,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """From a node tree to lines of the expression language.
 
-A line is a syntax tree. It is never printed and parsed on the way to a shape. Groups are written as often as they are used,
-reroutes and muted nodes not at all.
+A line is a syntax tree. It is never printed and parsed on the way to a shape. Groups are written as often as they are
+used, reroutes and muted nodes not at all.
 
-The numbers of sockets are not in the lines. Lines have names for them, ``#0``, ``#1`` and so on, of values that may change. So
-a slider changes no formula, and compiles nothing.
+The numbers of sockets are not in the lines. Lines have names for them, ``#0``, ``#1`` and so on, of values that may
+change. So a slider changes no formula, and compiles nothing.
 """
 
 from __future__ import annotations
@@ -162,7 +162,7 @@ class Writer:
     # -- what nodes ask for while they are written --------------------------------------------------------------------
 
     def inputs(self, socket: bpy.types.NodeSocket) -> list[ast.expr]:
-        """Values linked to an input, from the top; its own if it has one and nothing is linked."""
+        """Values linked to an input, from the top; its own if it has one and nothing is linked. Raises Broken."""
         found = []
         for link in links_of(socket):
             end = _end(self._place[0], link)
@@ -232,7 +232,7 @@ class Writer:
         return ast.Name(target, ast.Load())
 
     def declare(self, declaration: Declaration) -> ast.expr:
-        """A parameter, which lamps have values for."""
+        """A parameter, which lamps have values for. Raises Broken."""
         known = (self._declared | self.declarations).get(declaration.name, declaration)
         if known != declaration:
             raise Broken(f"Another node declares {declaration.name} otherwise: choose another name")

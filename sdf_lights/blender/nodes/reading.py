@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """From a node tree to its shape and its emission.
 
-The lines that ``lines.Writer`` writes are evaluated by the expression language. So a node means what its word means, with the
-same checks and limits. The shape and the emission are read one after the other, each from its input of the Lamp Output.
+The lines that ``lines.Writer`` writes are evaluated by the expression language. So a node means what its word means,
+with the same checks and limits. The shape and the emission are read one after the other, each from its input of the
+Lamp Output.
 """
 
 from __future__ import annotations
@@ -161,7 +162,7 @@ def _addressed(writer: Writer, problems: Mapping[int, str]) -> list[tuple[tuple[
 
 
 def writers_of(tree: bpy.types.NodeTree, owner: np.ndarray | None) -> tuple[Writer, Writer]:
-    """Of the shape and of the emission."""
+    """Writers of the shape and of the emission. ``owner`` as for ``shape_of``."""
     shape = Writer(tree, owner)
     return shape, Writer(tree, owner, EMISSION, shape.declarations)
 
@@ -203,8 +204,8 @@ def shape_of(
 ) -> Shape:
     """The shape of a tree for the values of its parameters.
 
-    ``owner`` is the matrix of the lamp's object, ``lamp`` its ``Light.sdf_lamp``, which holds what texts of nodes name.
-    Raises RenderError.
+    ``owner`` (4 × 4, to the world) is the matrix of the lamp's object, ``lamp`` its ``Light.sdf_lamp``, which holds
+    what texts of nodes name. Raises RenderError.
     """
     if tree is None:
         raise RenderError("It has no node tree: make a new one, or choose one.")

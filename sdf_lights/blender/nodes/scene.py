@@ -135,6 +135,7 @@ class ExpressionNode(ValueNode):
     makes = SHAPE
 
     def source(self) -> str:
+        """Text of the expression."""
         raise NotImplementedError
 
     def parsed(self) -> Expression | EmissionExpression:
@@ -228,6 +229,7 @@ class SDFLIGHTS_Node_expression(ExpressionNode, bpy.types.Node):
         draw_text(layout, self)
 
     def source(self) -> str:
+        """Text of the expression."""
         return self.text.as_string() if self.text is not None else self.expression
 
 

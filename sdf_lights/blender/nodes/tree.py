@@ -41,8 +41,8 @@ class SDFLIGHTS_NodeTree(bpy.types.NodeTree):
                 node.match_interface()
 
 
-# Whether all classes of the add-on are registered. While they come and go, Blender updates the trees that there are; to look
-# at their nodes then would bring it down.
+# Whether all classes of the add-on are registered. While they come and go, Blender updates the trees that there are; to
+# look at their nodes then would bring it down.
 _registered = False
 
 
@@ -55,8 +55,9 @@ def set_registered(registered: bool) -> None:
 class LampNode:
     """What all nodes have in common: they say in words what is wrong with them.
 
-    ``takes`` and ``gives`` list (identifier, label, type) of the inputs and outputs of a new node. ``tint`` is its colour:
-    Blender gives headers of add-ons' nodes no other than that of inputs, but lets nodes have a colour of their own.
+    ``takes`` and ``gives`` list (identifier, label, type) of the inputs and outputs of a new node. ``tint`` is its
+    colour: Blender gives headers of add-ons' nodes no other than that of inputs, but lets nodes have a colour of their
+    own.
     """
 
     takes: tuple[tuple[str, str, str], ...] = ()
@@ -108,7 +109,8 @@ _finders: list[Callable] = []
 
 
 def finds_problems(function: Callable) -> Callable:
-    """Decorator of a function that is given a tree, and gives ((uid of a tree, name of a node), sentence) for what is wrong.
+    """Decorator of a function that is given a tree, and gives ((uid of a tree, name of a node), sentence) for what is
+    wrong.
 
     What reads trees knows this module, so this module is told of it and imports nothing.
     """

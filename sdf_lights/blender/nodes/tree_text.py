@@ -21,7 +21,8 @@ from .reading import emission_of, shape_of, writers_of
 
 
 def text_of(tree: bpy.types.NodeTree, values: Mapping[str, object], owner: np.ndarray | None, lamp=None) -> str:
-    """The shape of a tree as an expression. ``values`` of parameters become their defaults. Raises RenderError."""
+    """The shape of a tree as an expression. ``values`` of parameters become their defaults. ``owner`` as for
+    ``reading.shape_of``. Raises RenderError."""
     shape_of(tree, values, owner, lamp)  # what has no shape has no text
     return _text(Writer(tree, owner), values)
 

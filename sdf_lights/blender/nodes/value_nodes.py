@@ -326,6 +326,7 @@ class SDFLIGHTS_Node_combine(ValueNode, bpy.types.Node):
     )
 
     def plane_changed(self):
+        """Show the inputs for this choice."""
         self.socket("z").enabled = not self.plane
 
     def draw_settings(self, layout):
@@ -395,6 +396,7 @@ class SDFLIGHTS_Node_field(ValueNode, bpy.types.Node):
         self.bounds_changed()
 
     def bounds_changed(self):
+        """Show the inputs for this choice."""
         self.socket("bounds").enabled = self.use_bounds
 
     def draw_settings(self, layout):

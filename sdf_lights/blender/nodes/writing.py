@@ -165,7 +165,7 @@ class _Builder:
     # -- parts --------------------------------------------------------------------------------------------------------
 
     def part(self, node: ast.expr):
-        """An output, or a number, truth or tuple of numbers."""
+        """An output, or a number, truth or tuple of numbers. Raises NoNode if a value is not known."""
         build = _PARTS.get(type(node))
         if build is None:
             raise NoNode

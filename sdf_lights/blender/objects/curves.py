@@ -105,7 +105,8 @@ def read_letters(text: str) -> None:
 
 
 def shape_of_text(text: str, size: float, lamp) -> Shape:
-    """The letters of a text around the origin, as a ``Light.sdf_lamp`` wants them. Raises RenderError with a sentence."""
+    """The letters of a text around the origin, as a ``Light.sdf_lamp`` wants them. Raises RenderError with a
+    sentence."""
     read_letters(text)
     paths = [Path(size * path.points, path.radii, path.closed) for path in _letters[text]]
     if not paths:

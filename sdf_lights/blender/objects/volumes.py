@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Volume objects as lamps: the level set in their .vdb file, by a signed distance grid.
 
-Blender has OpenVDB as a Python module: ``openvdb``, and in older versions ``pyopenvdb``. The module bpy from the package index has none.
+Blender has OpenVDB as a Python module: ``openvdb``, and in older versions ``pyopenvdb``. The module bpy from the
+package index has none.
 """
 
 from __future__ import annotations
@@ -44,7 +45,7 @@ def vdb():
 def is_whole(path: pathlib.Path) -> bool:
     """Whether a .vdb file has all bytes that its grids say they have: OpenVDB may search for long in one that has not.
 
-    Its parts are those of ``io::File`` and ``GridDescriptor`` of OpenVDB.
+    Its parts are those of ``io::File`` and ``GridDescriptor`` of OpenVDB. Raises OSError if it cannot be opened.
     """
     size = path.stat().st_size
     with open(path, "rb") as file:

@@ -18,10 +18,10 @@ class Preset(NamedTuple):
     """A lamp. ``temperature`` in kelvins, 0 if it has a ``color`` instead; ``power`` in watts, unless it has a
     ``density``.
 
-    The parameters of its ``expression``, or of the primitive ``shape`` in its place, have ``values``. ``emission`` is the name
-    of a preset of ``sdf.emission_presets``, whose parameters have ``emission_values``, or a text in the language of emissions.
-    Values are as Blender's properties hold them: angles in radians. ``sources`` are curves and pictures that the expression names,
-    as ``preset_sources`` makes them.
+    The parameters of its ``expression``, or of the primitive ``shape`` in its place, have ``values``. ``emission`` is
+    the name of a preset of ``sdf.emission_presets``, whose parameters have ``emission_values``, or a text in the
+    language of emissions. Values are as Blender's properties hold them: angles in radians. ``sources`` are curves and
+    pictures that the expression names, as ``preset_sources`` makes them.
     """
 
     name: str

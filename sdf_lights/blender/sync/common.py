@@ -41,12 +41,12 @@ def matrix_of(value) -> np.ndarray:
 
 
 def is_finite(matrix: np.ndarray) -> bool:
-    """Whether all entries of a matrix are finite."""
+    """Whether all entries of a matrix (4 × 4) are finite."""
     return bool(np.isfinite(matrix).all())
 
 
 def is_flat(matrix: np.ndarray) -> bool:
-    """Whether the matrix flattens space to a plane, a line or a point."""
+    """Whether the matrix (4 × 4) flattens space to a plane, a line or a point."""
     scales = np.linalg.svd(matrix[:3, :3], compute_uv=False)
     return scales[2] <= FLAT * scales[0]
 

@@ -62,7 +62,8 @@ class Kept:
         self._meshes[key], self._ages["mesh", key] = entry, 0
 
     def pixels(self, path: str, data: bytes | None, form: Hashable, read: Callable[[], np.ndarray]) -> np.ndarray:
-        """Pixels of a file, or of its packed ``data``, in a form: the kept ones, or the result of ``read``."""
+        """Pixels (height, width, channels) of a file, or of its packed
+        ``data``, in a form: the kept ones, or the result of ``read``."""
         if data is None:
             about = os.stat(path)
             key: Hashable = (path, about.st_mtime_ns, about.st_size, form)

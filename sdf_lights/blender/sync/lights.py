@@ -36,8 +36,8 @@ def light_of(
 ) -> Lamp | Light | Portal:
     """The lamp, light or portal of a Light object.
 
-    ``owner`` is the matrix of the object itself, even for an instance. A lamp's nodes use it to find other objects.
-    ``random`` is the random number of Object Info.
+    ``matrix`` (4 × 4) is that of the light. ``owner`` is the matrix of the object itself, even for an instance. A
+    lamp's nodes use it to find other objects. ``random`` is the random number of Object Info.
 
     Without ``normalize``, Blender's power is per square metre of the light's surface. Renders of Cycles show this, and
     a test repeats them. Raises RenderError, with a sentence that names the object, if it is unusable.

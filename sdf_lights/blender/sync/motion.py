@@ -275,6 +275,7 @@ class Seen:
     def note(
         self, key: Key, item: bpy.types.DepsgraphObjectInstance, depsgraph: bpy.types.Depsgraph, scene: Scene
     ) -> None:
+        """Keep the state of an object at the current time."""
         matrix = matrix_of(item.matrix_world)
         if not is_finite(matrix):
             return

@@ -12,6 +12,7 @@ import numpy as np
 
 from ...graph.formula import Formula, Vector, constant
 from ...render.material import Attribute, Table
+from ...render.nodes.definition import NodeInputs
 from ...render.nodes.geometry import generated, to_object, transformed_normal, uv
 from ...render.nodes.variables import INCOMING, NORMAL, POSITION
 from .common import matrix_of
@@ -36,7 +37,7 @@ _FOLDED = {f"ShaderNodeTex{name}" for name in _TEXTURES}  # nodes that Blender c
 MOST_IES_BYTES = 16 << 20  # of an IES text; reading a device would never end
 
 
-class BlenderInputs:
+class BlenderInputs(NodeInputs):
     """A value node as its definition sees it: ``render.nodes.NodeInputs``."""
 
     def __init__(self, reader, node, stack: Stack, output):

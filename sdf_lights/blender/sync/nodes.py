@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Blender's shader nodes as ``render.material``: closures as its nodes, values as formulas.
 
-``closure_nodes`` maps closures and sockets to closures and inputs. Value nodes are defined in ``render.nodes``, which see a
-node through ``node_inputs``. Groups, reroutes and muted nodes are resolved. README.md one folder up lists the replacements
-of unsupported nodes.
+``closure_nodes`` maps closures and sockets to closures and inputs. Value nodes are defined in
+``render.nodes``, which see a node through ``node_inputs``. Groups, reroutes and muted nodes are resolved. README.md one
+folder up lists the replacements of unsupported nodes.
 """
 
 from __future__ import annotations

@@ -281,8 +281,8 @@ def slot_materials(obj: bpy.types.Object) -> list[bpy.types.Material | None]:
 
 
 def invertible(matrix: np.ndarray) -> np.ndarray | None:
-    """``matrix``, with a small thickness if it flattens (a plane scaled to zero along its normal stays visible); None
-    if no area is left."""
+    """``matrix`` (4 × 4), with a small thickness if it flattens (a plane scaled to zero along its normal stays
+    visible); None if no area is left."""
     linear = matrix[:3, :3]
     # In plain Python: there may be many thousands of objects, and NumPy takes ten times as long for nine numbers.
     a, b, c, d, e, f, g, h, i = entries = linear.ravel().tolist()

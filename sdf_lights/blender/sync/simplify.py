@@ -47,7 +47,7 @@ class Culling:
         self._camera = camera
 
     def leaves_out(self, obj: bpy.types.Object, matrix: np.ndarray) -> bool:
-        """Whether an object with this matrix is left out."""
+        """Whether an object with this matrix (4 × 4) is left out."""
         if not (self._by_camera or self._by_distance):
             return False
         asks = getattr(obj.original, "cycles", None)

@@ -108,14 +108,14 @@ def points_of(data: bpy.types.Curves | bpy.types.PointCloud) -> tuple[np.ndarray
 
 
 def keys_of(first: np.ndarray, kept: np.ndarray) -> np.ndarray:
-    """Indices of the points of the curves ``kept``. Curve i has the points from ``first[i]`` to before ``first[i +
-    1]``."""
+    """Indices (points,) of the points of the curves
+    ``kept`` (curves,). Curve i has the points from ``first[i]`` to before ``first[i + 1]``."""
     counts = (first[1:] - first[:-1])[kept]
     return np.repeat(first[kept] - (np.cumsum(counts) - counts), counts) + np.arange(counts.sum())
 
 
 def strands(name: str, positions: np.ndarray, radii: np.ndarray, first: np.ndarray, kept: np.ndarray) -> Mesh:
-    """The curves ``kept`` of all curves, with their starts and lengths (see ``keys_of``), each of two points or
+    """The curves ``kept`` (n,) of all curves, with their starts and lengths (see ``keys_of``), each of two points or
     more."""
     counts = (first[1:] - first[:-1])[kept]
     keys = keys_of(first, kept)

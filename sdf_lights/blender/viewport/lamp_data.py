@@ -34,7 +34,8 @@ class Collected(NamedTuple):
 
 
 def collect(depsgraph: bpy.types.Depsgraph) -> Collected:
-    """Every lamp, including instances, with its transform in the world."""
+    """Every lamp, including instances, with its transform in the world.
+    Raises RenderError with a sentence that names the lamp."""
     found = Collected([], {})
     for item in depsgraph.object_instances:
         # Nothing may refer to `item` after this iteration: Blender reuses it for the next instance.

@@ -26,7 +26,8 @@ _keymaps: list[tuple[bpy.types.KeyMap, bpy.types.KeyMapItem]] = []
 
 
 def entry(lamp: Lamp, origin: np.ndarray, direction: np.ndarray) -> float | None:
-    """Distance along a ray, in lengths of ``direction``, at which it enters a lamp; None if it misses."""
+    """Distance along a ray from ``origin`` (3,), in lengths of ``direction`` (3,), at which it enters a lamp; None if
+    it misses."""
     inverse = affine.inverse(lamp.matrix)
     o, d = inverse[:3, :3] @ origin + inverse[:3, 3], inverse[:3, :3] @ direction
     low, high = lamp.shape.bounds()
@@ -41,6 +42,8 @@ def entry(lamp: Lamp, origin: np.ndarray, direction: np.ndarray) -> float | None
 
 
 class SDFLIGHTS_OT_lamp_pick(bpy.types.Operator):
+    """Selects the SDF lamp under the mouse."""
+
     bl_idname = "sdf_lights.lamp_pick"
     bl_label = "Select SDF Lamp"
     bl_description = "Select the SDF lamp under the mouse"

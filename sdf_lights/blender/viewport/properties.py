@@ -17,6 +17,8 @@ def redraw(self, context):
 
 
 class SDFLIGHTS_OverlaySettings(bpy.types.PropertyGroup):
+    """Viewport overlay of SDF lamps."""
+
     __slots__ = ()
 
     show_lamps: bpy.props.BoolProperty(
@@ -58,6 +60,8 @@ class SDFLIGHTS_OverlaySettings(bpy.types.PropertyGroup):
 
 
 class SDFLIGHTS_PT_overlay(bpy.types.Panel):
+    """Overlay settings of SDF lamps."""
+
     bl_label = "SDF Lamps"
     bl_space_type, bl_region_type = "VIEW_3D", "HEADER"
     bl_parent_id = "VIEW3D_PT_overlay"

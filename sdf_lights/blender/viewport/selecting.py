@@ -160,6 +160,7 @@ class SDFLIGHTS_OT_select_box(_Gesture, bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def outline(self):
+        """Points (x, y) of the outline, in pixels."""
         x, y = self._now
         if self._start is None:  # lines across the region
             width, height = self._region.width, self._region.height
@@ -231,6 +232,7 @@ class SDFLIGHTS_OT_select_circle(_Gesture, bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def outline(self):
+        """Points (x, y) of the outline, in pixels."""
         turns = np.linspace(0.0, 2.0 * math.pi, 49)
         return [
             (self._now[0] + self.radius * math.cos(turn), self._now[1] + self.radius * math.sin(turn)) for turn in turns

@@ -160,8 +160,9 @@ def compile_terms(terms: list[Term]) -> CompiledField:
 
 @kernel
 def run_terms(terms, parameters, lists, first, count, points, stack):
-    """Values of a list, the ``count`` entries of ``lists`` from ``first``, at the first ``points`` of the ``LANES`` points in
-    ``stack``; other values mean nothing.
+    """Values of a list, the
+    ``count`` entries of ``lists`` from ``first``, at the first ``points`` of the ``LANES`` points in ``stack``; other
+    values mean nothing.
 
     ``stack`` has ``STACK`` elements: the ``LANES`` x, then y, then z are at its head and stay there; the values follow,
     from ``VALUES``. A term reads its operands in place and overwrites them with its own values.

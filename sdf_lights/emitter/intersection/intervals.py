@@ -22,8 +22,8 @@ from .membership import DIFFERENCE, INTERSECTION, UNION
 
 
 def rows_needed(program: np.ndarray) -> tuple[int, int]:
-    """Maximum number of rows of ``spans`` that ``solve`` uses for a program, and the maximum number of sets on its
-    stack."""
+    """Maximum number of rows of ``spans`` that ``solve`` uses for a program (instructions,), and the maximum number of
+    sets on its stack."""
     stack, rows, deepest = [], 0, 0
     for op, arity, parameters in zip(program["op"], program["arity"], program["parameters"]):
         if arity == 0:

@@ -70,7 +70,8 @@ def sample_point(block, lamp, x, store, cut, u1, u2, u3):
 
 @kernel
 def uniform_intensity(block, lamp, offset):
-    """Radiant intensity (RGB, W/sr) with which a uniform point of a lamp, relative to its centre, stands for all of it."""
+    """Radiant intensity (RGB, W/sr) with which a uniform point of a lamp, relative to its centre, stands for all of
+    it."""
     row = lamps(block)[lamp]
     if row.glow < 0:
         return intensity(block, lamp)

@@ -29,7 +29,8 @@ def _rounded(value: float) -> float:
 
 
 def similar(shape: Shape, matrix: np.ndarray) -> Placed:
-    """The same primitive in the same position. If all its numbers are lengths, its first number becomes 1.
+    """The same primitive in the same position, with its new matrix (4 × 4). If all its numbers are lengths, its first
+    number becomes 1.
 
     Transforms in the shape become part of the matrix. Other shapes stay as they are.
     """

@@ -189,7 +189,8 @@ def _rewritten(node: Formula) -> Formula | None:
 
 
 def with_zero_bounds(formula: Formula) -> Formula | None:
-    """The call of a function of tables with ``zero_bounds`` whose value, times a number, is the formula; None otherwise."""
+    """The call of a function of tables with ``zero_bounds`` whose value, times a number, is the formula; None
+    otherwise."""
     while formula.kind == "multiply" and any(operand.kind in (CONSTANT, PARAMETER) for operand in formula.operands):
         first, second = formula.operands
         formula = second if first.kind in (CONSTANT, PARAMETER) else first

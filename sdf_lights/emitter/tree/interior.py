@@ -84,7 +84,7 @@ class Tree:
         return self.field.terms, self.field.parameters
 
     def bounds(self, matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Corners of a world box around all non-empty boxes; ``matrix`` maps the shape to the world."""
+        """Corners (3,) of a world box around all non-empty boxes; ``matrix`` (4 × 4) maps the shape to the world."""
         if self.nodes["mass"][0] == 0.0:
             return self.center, self.center
         occupied = self.boxes[(self.nodes["first"] < 0) & (self.nodes["state"] != OUTSIDE)]

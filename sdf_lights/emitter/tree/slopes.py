@@ -31,7 +31,8 @@ from .enclosures import BOXES, DEEPEST_LOOP, SIZE, enclose
 from .interval_kernels import ROUNDING, product_bounds
 from .parallel import TASKS, in_parallel
 
-WORK = 2_500_000  # operations on boxes, about 40 ms, times ``boxes`` of the field; below that, boxes have no bounds of their own
+# operations on boxes, about 40 ms, times ``boxes`` of the field; below that, boxes have no bounds of their own
+WORK = 2_500_000
 OVERHEAD = 10.0  # fixed cost of a box, in operations
 TAPES = 1024  # formulas in the cache
 CASES = 4  # parts that a box may be divided into, to find where it jumps
@@ -93,8 +94,8 @@ def _joined(slopes, box, sign, a, b, row, out):
 
 @kernel
 def bound(instructions, places, terms, parameters, lists, first, count, boxes, chosen, registers, stack, out, values):
-    """Bounds ``out`` (n, 2, 3) of the gradient of a list of terms, and ``values`` (n, 2) of it, in up to ``BOXES`` of the
-    ``boxes`` (n, 6)."""
+    """Bounds ``out`` (n, 2, 3) of the gradient of a list of terms, and ``values`` (n, 2) of it, in up to ``BOXES`` of
+    the ``boxes`` (n, 6)."""
     rounds = np.empty((DEEPEST_LOOP, 2), np.int64)
     corners = np.empty((6, BOXES))
     for box in range(BOXES):
@@ -197,8 +198,9 @@ def bounds_of(
     count: np.ndarray,
     at_zeros: bool = False,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Bounds (n, 2, 3), low and high, of the gradient of the lists lists[first:first + count] in boxes (n, 6), and bounds
-    (n, 2) of their values. With ``at_zeros``, the gradient is bounded only where a field ``with_zero_bounds`` is zero."""
+    """Bounds (n, 2, 3), low and high, of the gradient of the lists lists[first:first + count] in boxes (n, 6), and
+    bounds (n, 2) of their values. With ``at_zeros``, the gradient is bounded only where a field ``with_zero_bounds`` is
+    zero."""
     instructions, places, registers = _tapes(field, at_zeros)
     first, count = first.astype(np.int64), count.astype(np.int64)
     out, values = np.empty((len(boxes), 2, 3)), np.empty((len(boxes), 2))

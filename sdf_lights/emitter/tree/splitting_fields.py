@@ -67,8 +67,8 @@ def grow_field(
 ):
     """Split the leaves on the boundary among the nodes from ``first`` to ``last`` into eight parts each.
 
-    ``levels`` holds the depth of each node, ``known`` the lists (see ``store_list``), ``used`` the numbers of nodes and of
-    rows of lists in use, ``mass`` the volumes of all leaves that are full and of those on the boundary. ``cares``,
+    ``levels`` holds the depth of each node, ``known`` the lists (see ``store_list``), ``used`` the numbers of nodes and
+    of rows of lists in use, ``mass`` the volumes of all leaves that are full and of those on the boundary. ``cares``,
     ``gains``, ``columns`` and the rows of ``bounds``, one for each node, are those of ``pruning.prune_field``.
     """
     stack = stack_array(STACK)

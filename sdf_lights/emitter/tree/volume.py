@@ -323,7 +323,7 @@ def _coarsest(sizes: np.ndarray, costs: np.ndarray, work: float) -> np.ndarray:
 
 
 def leaf_costs(tree: Tree, leaves: np.ndarray) -> np.ndarray:
-    """Rough ns of what ``sample`` evaluates at the end of each leaf's list: a field twice, a program once."""
+    """Rough ns (leaves,) of what ``sample`` evaluates at the end of each leaf's list: a field twice, a program once."""
     rows = tree.nodes[leaves]
     if tree.field is None:
         return PROGRAM_COST * rows["row_count"]

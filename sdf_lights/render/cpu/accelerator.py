@@ -14,8 +14,8 @@ import ctypes
 import numpy as np
 
 from ..errors import RenderError
-from ..kernels.departure import SHAPE, filter_address
 from ..kernels.lights import shadow_bits
+from ..kernels.ray_origins import SHAPE, filter_address
 from ..kernels.rays import NONE, QUERY, masks_of, world_positions
 from ..libraries import load_embree
 from ..scene import Mesh, Primitive, Scene
@@ -92,8 +92,8 @@ class _Device:
 class _EmbreeScene:
     """An Embree scene, and the arrays that it reads.
 
-    It retains the device: Python may release what belongs to a cycle of references in any order, and Embree needs the device until
-    the last scene has gone.
+    It retains the device: Python may release what belongs to a cycle of references in any order, and Embree needs the
+    device until the last scene has gone.
     """
 
     def __init__(self, api: _Api, device: _Device):
@@ -110,7 +110,8 @@ class _EmbreeScene:
 
 
 def accelerator_of(scene: Scene, transparent: np.ndarray, deep: np.ndarray | None = None) -> Accelerator:
-    """An ``Accelerator``. If nothing has moved, it is the one that the scene has kept, which gives the same hits."""
+    """An ``Accelerator``; ``transparent`` and ``deep`` (materials,) as there. If nothing has moved, it is the one that
+    the scene has kept, which gives the same hits."""
     before = scene.kept.get(_KEPT) if scene.kept is not None else None
     if before is not None and before.serves(scene, transparent, deep):
         return before
@@ -196,14 +197,15 @@ class Accelerator:
             )
 
     def fill(self, block: np.ndarray) -> None:
-        """Store the scene of Embree and the addresses of its functions in a block."""
+        """Store the scene of Embree and the addresses of its functions in a block (1,)."""
         block["embree_scene"] = self.scene
         block["rtc_intersect"] = self._api.address("rtcIntersect1")
         block["rtc_occluded"] = self._api.address("rtcOccluded1")
         block["filtered_query"] = self._query.ctypes.data
 
     def serves(self, scene: Scene, transparent: np.ndarray, deep: np.ndarray | None) -> bool:
-        """Whether these structures are valid for this scene, too."""
+        """Whether these structures are valid for this scene, too. ``transparent`` and ``deep`` (materials,) as in
+        ``accelerator_of``."""
         return self._signature == _signature(scene, transparent, deep)
 
     def _new_scene(self) -> int:

@@ -25,8 +25,8 @@ from ... import kernel_cache
 from . import priority
 
 PACKAGE = pathlib.Path(__file__).resolve().parents[2]
-# Groups of ``ahead``, by process. The first of each are needed for any picture.
-PROCESSES = (("paths",), ("lamps", "parts"))
+# Groups of ``precompile``, by process. The first of each are needed for any picture.
+PROCESSES = (("paths",), ("lamps", "special"))
 NEEDED = tuple(groups[:1] for groups in PROCESSES)
 POLL_SECONDS = 0.05
 STARVED_SECONDS, STARVED_SHARE = 3.0, 0.25  # of these seconds, a starved process had less of a processor
@@ -49,7 +49,7 @@ class _Process:
         self._hurries = not low
         self._watched: tuple[float, float] | None = None
         self._process = subprocess.Popen(
-            [sys.executable, "-m", f"{PACKAGE.name}.render.cpu.ahead", "--beside", *self.groups],
+            [sys.executable, "-m", f"{PACKAGE.name}.render.cpu.precompile", "--beside", *self.groups],
             cwd=PACKAGE.parent,
             env=environment,
             stdin=subprocess.PIPE,  # closing it tells the process that the session has ended

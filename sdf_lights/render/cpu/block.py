@@ -14,12 +14,13 @@ from ..errors import RenderError
 from ..film import Film
 from ..kernels import camera, geometry, lamp_tree, lights, motion, path, shading
 from ..kernels import film as film_kernels
-from ..kernels.light_paths import parts as light_path_parts
+from ..kernels.light_paths import code_table as light_path_code
 from ..kernels.light_paths import records as light_path_records
+from ..kernels.media import code_table as media_code
 from ..kernels.media import pack as media
-from ..kernels.media import parts as media_parts
 from ..kernels.media import records as media_records
-from ..kernels.outputs import parts as output_parts
+from ..kernels.outputs import code_table as output_code
+from ..kernels.outputs.pack import pack_outputs, workspace_counts
 from ..kernels.packing import (
     BLOCK,
     TABLES,
@@ -34,8 +35,8 @@ from ..kernels.packing import (
 )
 from ..kernels.shading import special
 from ..kernels.shading.records import HAS_SUBSURFACE, HAS_TRANSPARENCY
-from ..kernels.strands import parts as strand_parts
-from ..kernels.subsurface import parts as subsurface_parts
+from ..kernels.strands import code_table as strand_code
+from ..kernels.subsurface import code_table as subsurface_code
 from ..kernels.workspace import WORKSPACE, WORKSPACE_TABLES
 from ..scene import Lamp, Scene, catchers_only, catches_shadows
 from ..settings import LampSampling
@@ -65,17 +66,17 @@ class PackedScene:
         self._emissive = emissive_triangles(scene, materials["materials"])
         self.control = np.zeros(1, np.int64)
         strands = has_strands(scene)
-        code = {"strand_code": strand_parts.addresses(strands, (BLOCK, WORKSPACE)), "control": self.control}
+        code = {"strand_code": strand_code.addresses(strands, (BLOCK, WORKSPACE)), "control": self.control}
         self._fill(geometry.pack_geometry(scene, self._accelerator.baked) | code, {"has_strands": strands})
         self._accelerator.fill(self.block)
         self._boxes = instance_boxes(scene)
         tables, scalars = media.pack_media(scene)
-        tables["media_code"] = media_parts.addresses(scalars["has_media"], (BLOCK, WORKSPACE))
+        tables["media_code"] = media_code.addresses(scalars["has_media"], (BLOCK, WORKSPACE))
         self._fill(tables, scalars)
         self._fill(
             {
                 "inner_scenes": self._accelerator.inner_scenes,
-                "subsurface_code": subsurface_parts.addresses(bool(deep.any()), (BLOCK, WORKSPACE)),
+                "subsurface_code": subsurface_code.addresses(bool(deep.any()), (BLOCK, WORKSPACE)),
             },
             {"has_subsurface": bool(deep.any())},
         )
@@ -120,10 +121,11 @@ class PackedScene:
         return [scene.lamps[index] for index in self._built]
 
     def set_light_paths(self, tables: dict[str, np.ndarray], scalars: dict[str, float]) -> None:
-        """Connect paths with the vertices of light paths in these tables of ``light_paths.records``; with nothing without them."""
+        """Connect paths with the vertices of light paths in these tables of ``light_paths.records``; with nothing
+        without them."""
         connects = "light_path_vertices" in tables
         empty = {name: np.zeros(0, dtype) for name, dtype in light_path_records.TABLES.items()}
-        code = {"light_path_code": light_path_parts.addresses(connects, (BLOCK, WORKSPACE))}
+        code = {"light_path_code": light_path_code.addresses(connects, (BLOCK, WORKSPACE))}
         self._fill(empty | tables | code, scalars | {"light_paths": connects})
 
     def update_lights(self, scene: Scene) -> None:
@@ -174,10 +176,10 @@ class PackedScene:
         """Add the next samples to this film."""
         self._fill(film_kernels.pack_film(film), film_kernels.film_scalars(film))
         emitters = [*self.lamps_of(scene), *scene.lights, scene.world]
-        tables, scalars = output_parts.pack(scene, film, emitters, self._emissive.instance)
-        tables["output_code"] = output_parts.addresses(film, (BLOCK, WORKSPACE))
+        tables, scalars = pack_outputs(scene, film, emitters, self._emissive.instance)
+        tables["output_code"] = output_code.addresses(film, (BLOCK, WORKSPACE))
         self._fill(tables, scalars)
-        self.output_counts = output_parts.workspace_counts(film)
+        self.output_counts = workspace_counts(film)
         self.block["shows_environment"] = film.sums["environment"].size > 0
 
     def _pack_motion(self, scene: Scene) -> None:

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Whether light paths pay: two samples of a few pixels without them are compared with two samples with them.
 
-Both take the same number of branches, and are compared by the product of error and time. Time is counted in surfaces that
-rays meet, as in ``sample_allocation.py``. It is never measured, so a seed gives one picture on all machines. The pilots have
-films of their own, so the picture without light paths is as if they had never been there.
+Both take the same number of branches, and are compared by the product of error and time. Time is counted in surfaces
+that rays meet, as in ``sample_allocation.py``. It is never measured, so a seed gives one picture on all machines. The
+pilots have films of their own, so the picture without light paths is as if they had never been there.
 """
 
 from __future__ import annotations
@@ -17,19 +17,19 @@ from ..film import Film
 from ..sample_allocation import even_numbers, own_cost
 
 SAMPLES = 2  # of each pilot pixel: the fewest that scatter
-# Pilot pixels: for each pixel and sample of the render, so that all four samples take 2 % of its time; of a render at most,
-# and at least.
+# Pilot pixels: for each pixel and sample of the render, so that all four samples take 2 % of its time; of a render at
+# most, and at least.
 PART, MOST, FEWEST = 0.005, 4096, 96
-# Error × time without light paths over that with them, from which on they are used: noisy estimates promise too much. What
-# they must promise before they are tried.
+# Error × time without light paths over that with them, from which on they are used: noisy estimates promise too much.
+# What they must promise before they are tried.
 GAIN, PROMISE = 1.3, 1.5
 OUTLIERS = 0.01  # part of the pilot pixels that a second comparison leaves out: a few bright ones must not decide
 FLOOR = 0.05  # part of the mean square brightness that is added to the squares which errors are relative to
 
 
 def pilot_pixels(film: Film, samples: int) -> np.ndarray | None:
-    """(pixels,) 1 at the pilot pixels of a render with so many samples, evenly among the active ones; None if these are too
-    few."""
+    """(pixels,) 1 at the pilot pixels of a render with so many samples, evenly among the active ones; None if these are
+    too few."""
     active = np.flatnonzero(film.active)
     wanted = min(PART * samples * len(active), MOST, len(active))
     if wanted < FEWEST:
@@ -41,8 +41,8 @@ def pilot_pixels(film: Film, samples: int) -> np.ndarray | None:
 
 @dataclass(frozen=True)
 class Pilot:
-    """What the samples of the pilot pixels tell: (pixels,) sums of RGB, the variance of a sample, and that of what it has before
-    its path splits; and the time of a sample, in surfaces that rays meet."""
+    """What the samples of the pilot pixels tell: (pixels,) sums of RGB, the variance of a sample, and that of what it
+    has before its path splits; and the time of a sample, in surfaces that rays meet."""
 
     sums: np.ndarray
     whole: np.ndarray
@@ -51,7 +51,7 @@ class Pilot:
 
     @classmethod
     def of(cls, film: Film, pixels: np.ndarray) -> Pilot:
-        """From a film whose ``pixels`` have ``SAMPLES`` samples, and the others none."""
+        """From a film whose ``pixels`` (n,) have ``SAMPLES`` samples, and the others none."""
         at = np.flatnonzero(pixels)
         of_before, of_all, total, _ = film.squares[at].T
         before = film.sums["combined"].reshape(-1, 4)[at, :3].sum(axis=1)
@@ -66,7 +66,7 @@ def _weights(sums: np.ndarray) -> np.ndarray:
     return 1.0 / (sums**2 + FLOOR * np.mean(sums**2) + 1e-300)
 
 
-def promises(without: Pilot) -> bool:
+def may_pay(without: Pilot) -> bool:
     """Whether light paths could pay, if they took all noise from the light that surfaces scatter."""
     weights = _weights(without.sums)
     return float(weights @ without.whole) > PROMISE * float(weights @ without.before)

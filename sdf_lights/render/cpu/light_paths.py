@@ -23,7 +23,7 @@ from ..kernels.light_paths.records import (
 )
 from ..kernels.light_paths.trace import dim_unseen, find_pilots, trace_light_paths
 from ..kernels.outputs.records import LOBES
-from ..kernels.shading.material_compiler import LOBE_ALPHA, LOBE_DIFFUSE, LOBE_PRINCIPLED, LOBE_TRANSLUCENT
+from ..kernels.shading.material_records import LOBE_ALPHA, LOBE_DIFFUSE, LOBE_PRINCIPLED, LOBE_TRANSLUCENT
 from ..kernels.shading.records import GLOSSY, HAS_TRANSPARENCY, TRANSMISSION
 from ..kernels.shading.special_lobes import (
     LOBE_SHEEN,
@@ -39,8 +39,9 @@ from ..scene import ALL_SETS, MANY_BOUNCES, Primitive, Ray, Scene, catches_shado
 from ..settings import LARGEST_BATCH, LampPaths
 from .block import PackedScene, Workspace
 
-# Samples of pixels for each light path of a pass, which takes about 2 % of the time of these samples; pixels for each light path of the
-# tree. The tree does not depend on the number of samples, so ranges of samples have the tree of the whole.
+# Samples of pixels for each light path of a pass, which takes about 2 % of the time of these samples; pixels for each
+# light path of the tree. The tree does not depend on the number of samples, so ranges of samples have the tree of the
+# whole.
 SHARED, TREE_SHARED = 16, 2
 MOST_PATHS, MOST_TREE_PATHS = 16384, 8192
 PILOT_NUMBER = 1 << 30  # of light paths: beyond those of samples
@@ -48,8 +49,8 @@ MOST_VERTICES = 32  # of a path
 NODES = 2048
 PILOTS = 256
 CHUNK = 256  # paths that a thread takes at once
-# The least chance with which a path goes on where connections find its light: if nothing else comes that way, and if some
-# light does that light paths cannot follow, whose noise grows with it.
+# The least chance with which a path goes on where connections find its light: if nothing else comes that way, and if
+# some light does that light paths cannot follow, whose noise grows with it.
 MOST_ROULETTE, SOME_ROULETTE = 0.02, 0.3
 SIMPLE_LOBES = (*range(LOBE_ALPHA + 1), LOBE_SHEEN, LOBE_VELVET)
 END_OF_KNOWN, THIN = LOBE_SUBSURFACE + 1, WITH_THIN_WALL | WITH_THIN_SCATTERING
@@ -61,13 +62,14 @@ BY_PATH = {"ray_kind", "ray_length", "ray_singular", "depth"}  # what a material
 def can_connect(scene: Scene, packed: PackedScene) -> bool:
     """Whether connections may take light from paths, and whether that is asked for.
 
-    - There are lamps from which light paths start: see ``sources_of``. What other lights, the world and surfaces emit is left to
-      paths, and so is what light paths cannot follow: see ``materials_of``.
-    - Each object is met by all kinds of rays but the camera's or by none, as a light path does not know yet what kind of ray
-      it is seen by. For the same reason no material asks for the ray that meets it, no caustics are off, and no glossy filter is
-      on.
+    - There are lamps from which light paths start: see ``sources_of``. What other lights, the world and surfaces emit
+      is left to paths, and so is what light paths cannot follow: see ``materials_of``.
+    - Each object is met by all kinds of rays but the camera's or by none, as a light path does not know yet what kind
+      of ray it is seen by. For the same reason no material asks for the ray that meets it, no caustics are off, and no
+      glossy filter is on.
     - Nothing moves, scatters in a volume or catches shadows, and strands are opaque.
-    - No pass wants light by the lobe that scattered it first: what connections take from a ray is of diffuse lobes alone.
+    - No pass wants light by the lobe that scattered it first: what connections take from a ray is of diffuse lobes
+      alone.
     - A light path has ``MOST_VERTICES`` at most, and passes transparent surfaces where there are some.
     """
     settings, block = scene.settings, packed.block[0]
@@ -108,7 +110,8 @@ def _on_strands(scene: Scene) -> list[int]:
 
 
 def sources_of(scene: Scene, packed: PackedScene) -> np.ndarray:
-    """(emitters,) 1 where light paths start: lamps that light all, whose shadows all cast, after any number of bounces."""
+    """(emitters,) 1 where light paths start: lamps that light all, whose shadows all cast, after any number of
+    bounces."""
     found = np.zeros(len(packed.table("light_emitters")), np.int64)
     count = packed.block[0]["lamp_count"]
     found[:count] = [
@@ -130,8 +133,8 @@ def vertices_of(scene: Scene, packed: PackedScene) -> int:
 def materials_of(packed: PackedScene) -> np.ndarray:
     """(materials,) sums of CONNECTS, ONLY_DIFFUSE, FOLLOW_DIFFUSE and FOLLOW_ALL.
 
-    - Light that a material passes on diffusely is not connected: of which side of it a light path comes, a path from the camera
-      does not know.
+    - Light that a material passes on diffusely is not connected: of which side of it a light path comes, a path from
+      the camera does not know.
     - Light paths follow no closure that may be sharp but a mirror's or glass's, and none that they do not know.
     """
     table = packed.table("lobes")
@@ -152,7 +155,8 @@ def materials_of(packed: PackedScene) -> np.ndarray:
 
 
 class LightPaths:
-    """Light paths of a packed scene, the same ones on any number of threads. ``use`` gives the scene those of some samples."""
+    """Light paths of a packed scene, the same ones on any number of threads. ``use`` gives the scene those of some
+    samples."""
 
     @classmethod
     def of(cls, scene: Scene, packed: PackedScene, workspaces: list[Workspace]) -> LightPaths | None:
@@ -168,14 +172,16 @@ class LightPaths:
         self._lasting = {"light_path_materials": materials_of(packed), "light_path_sources": sources_of(scene, packed)}
         self._scalars = self._settled()
         self._fixed: dict[str, np.ndarray] = {}
+        self._connected: int | None = None
         self.rest()
         self.automatic = scene.settings.lamp_paths is LampPaths.AUTOMATIC
 
     def use(self, sample: int) -> int:
-        """Connect the next paths with the light paths of the set to which this sample belongs; returns the end of the set.
+        """Connect the next paths with the light paths of the set to which this sample belongs; returns the end of the
+        set.
 
-        The set depends on the sample's number in the pattern of the seed alone, so renders that share the samples of a picture
-        have the light paths of one render. Each is as large as its samples are worth.
+        The set depends on the sample's number in the pattern of the seed alone, so renders that share the samples of a
+        picture have the light paths of one render. Each is as large as its samples are worth.
         """
         offset = self._scene.settings.sample_offset
         number, size = sample + offset, 1
@@ -194,7 +200,7 @@ class LightPaths:
 
     def rest(self) -> None:
         """Connect the next paths with nothing."""
-        self._connected: int | None = None
+        self._connected = None
         self._packed.set_light_paths(self._lasting, self._scalars)
 
     def _settled(self) -> dict[str, float]:
@@ -219,7 +225,8 @@ class LightPaths:
         self._packed.set_light_paths(self._lasting | self._fixed | {"light_path_vertices": vertices}, self._scalars)
 
     def _build(self) -> None:
-        """Make the tree by light paths that no sample has: weights must not depend on the vertices that they are for."""
+        """Make the tree by light paths that no sample has: weights must not depend on the vertices that they are
+        for."""
         raw, lengths = self._trace(0, _paths(self._pixels / TREE_SHARED, MOST_TREE_PATHS))
         rows = np.arange(len(raw)).reshape(len(lengths), self._width)
         vertices = raw[rows[np.arange(self._width) < lengths[:, None]]]

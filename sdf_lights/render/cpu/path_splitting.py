@@ -21,11 +21,11 @@ from ..kernels.integrator import (
     start_path,
     trace_path,
 )
-from ..kernels.light_paths import apart as light_paths
+from ..kernels.light_paths import dispatch as light_paths
 from ..kernels.light_paths.records import FOLLOW_ALL, FOLLOW_DIFFUSE
 from ..kernels.media.records import inside_table
 from ..kernels.motion import set_time
-from ..kernels.outputs import apart as outputs
+from ..kernels.outputs import dispatch as outputs
 from ..kernels.outputs.records import CATCHERS
 from ..kernels.outputs.state import keep_first_scattering, use_first_scattering
 from ..kernels.path import (
@@ -46,8 +46,8 @@ from ..kernels.rays import hit_instance, ray_table
 from ..kernels.samplers import get_1d, pixel_seed
 from ..kernels.workspace import cut_table, secondary_table
 
-# Of a branch: estimates know nothing of what shadows, and of light by other ways. With 0.1 what is left is as noisy, but the
-# greatest error of a pixel is up to a quarter greater.
+# Of a branch: estimates know nothing of what shadows, and of light by other ways. With 0.1 what is left is as noisy,
+# but the greatest error of a pixel is up to a quarter greater.
 LEAST_SURVIVAL = 0.3
 CONNECTION_COST = 1.0  # time of a connection, with that of the weights at the next hit, in surfaces that rays meet
 LEAST_LEFT = 0.02  # of what connections to light paths leave to a branch
@@ -56,7 +56,7 @@ control_table = table("control", np.int64)
 
 
 @kernel
-def keep_state(block, workspace, row):
+def save_state(block, workspace, row):
     """Keep what the path is inside of, and how it was scattered first, with the other state of a branch."""
     if block.has_media:
         inside_table(workspace)[row] = inside_table(workspace)[0]
@@ -64,8 +64,8 @@ def keep_state(block, workspace, row):
 
 
 @kernel
-def use_state(block, workspace, row):
-    """Give the path itself what ``keep_state`` has kept of path number ``row``."""
+def restore_state(block, workspace, row):
+    """Give the path itself what ``save_state`` has kept of path number ``row``."""
     if block.has_media:
         inside_table(workspace)[0] = inside_table(workspace)[row]
     use_first_scattering(block, workspace, row)
@@ -79,8 +79,8 @@ def brightness(sample):
 
 @kernel
 def trace_branches(block, workspace, x, y, branches, first_branch):
-    """One sample of the pixel (x, y), in ``sample``. Its path divides into ``branches`` at the first surface that scatters
-    light.
+    """One sample of the pixel (x, y), in ``sample``. Its path divides into ``branches`` at the first surface that
+    scatters light.
 
     What comes before is sampled once, and the branches, numbered from ``first_branch`` on, as evenly as all of a pixel.
     """
@@ -93,13 +93,13 @@ def trace_branches(block, workspace, x, y, branches, first_branch):
     put(sample.before, vec(sample.combined))
     put(sample.lamps_before, vec(sample.lamps))
     paths[WAITING] = paths[0]
-    keep_state(block, workspace, WAITING)
+    save_state(block, workspace, WAITING)
     if block.light_paths:
         light_paths.choose(block, workspace)
     for branch in range(branches):
         light = brightness(sample)
         paths[0] = paths[WAITING]
-        use_state(block, workspace, WAITING)
+        restore_state(block, workspace, WAITING)
         paths[0].index, paths[0].share = first_branch + branch, 1.0 / branches
         if block.light_paths:
             light_paths.connect(block, workspace)
@@ -113,14 +113,14 @@ def trace_branches(block, workspace, x, y, branches, first_branch):
         if block.has_subsurface:
             ray_table(workspace)[FIRST_BRANCH_RAY + branch] = ray_table(workspace)[0]
         paths[FIRST_BRANCH + branch] = paths[0]
-        keep_state(block, workspace, FIRST_BRANCH + branch)
+        save_state(block, workspace, FIRST_BRANCH + branch)
     intersect_branches(block, workspace, branches)
-    choose_branches(workspace, branches)
+    roulette_branches(workspace, branches)
     light = brightness(sample)
     for branch in range(branches):
         if paths[FIRST_BRANCH + branch].alive:
             paths[0] = paths[FIRST_BRANCH + branch]
-            use_state(block, workspace, FIRST_BRANCH + branch)
+            restore_state(block, workspace, FIRST_BRANCH + branch)
             ray_table(workspace)[0] = ray_table(workspace)[FIRST_BRANCH_RAY + branch]
             cut_table(workspace)[1].lamp = -1  # the branch before has left one of another point there
             if block.has_subsurface:
@@ -145,7 +145,7 @@ def intersect_branches(block, workspace, branches):
             continue
         light = brightness(sample)
         paths[0] = paths[FIRST_BRANCH + branch]
-        use_state(block, workspace, FIRST_BRANCH + branch)
+        restore_state(block, workspace, FIRST_BRANCH + branch)
         if block.has_subsurface:
             rays[0] = rays[FIRST_BRANCH_RAY + branch]
         path = paths[0]
@@ -163,11 +163,11 @@ def intersect_branches(block, workspace, branches):
             rays[FIRST_BRANCH_RAY + branch] = rays[0]
         path.brought += brightness(sample) - light
         paths[FIRST_BRANCH + branch] = paths[0]
-        keep_state(block, workspace, FIRST_BRANCH + branch)
+        save_state(block, workspace, FIRST_BRANCH + branch)
 
 
 @kernel
-def choose_branches(workspace, branches):
+def roulette_branches(workspace, branches):
     """Russian roulette: branches that are expected to bring less than their mean survive in proportion to that.
 
     One number decides on all of them, so how many do is nearly always the same (systematic sampling). What it costs to
@@ -201,17 +201,17 @@ def trace_catchers(block, bare, workspace):
     """Follow the path of a sample that has met a shadow catcher in ``bare``, the block of a scene of only these."""
     if not outputs.release(block, workspace):
         return
-    forget_cuts(workspace)
+    invalidate_cuts(workspace)
     if bare.has_media:
         inside_table(workspace)[0].count = 0
     if shade_and_scatter(bare, workspace, False) == GOES_ON:
         trace_path(bare, workspace, False)
-    forget_cuts(workspace)
+    invalidate_cuts(workspace)
     outputs.add_bare(block, workspace)
 
 
 @kernel
-def forget_cuts(workspace):
+def invalidate_cuts(workspace):
     """What light sampling has prepared is of another scene."""
     for row in range(2):
         cut_table(workspace)[row].lamp = -1

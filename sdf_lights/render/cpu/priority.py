@@ -59,7 +59,7 @@ def _set_class(process: int, number: int) -> bool:
     kernel32 = ctypes.WinDLL("kernel32")  # type: ignore[attr-defined]
     kernel32.OpenProcess.restype = ctypes.c_void_p
     handle = ctypes.c_void_p(kernel32.OpenProcess(_SET_INFORMATION, False, process))
-    done = bool(handle and kernel32.SetPriorityClass(handle, number))
+    done = bool(handle.value and kernel32.SetPriorityClass(handle, number))
     kernel32.CloseHandle(handle)
     return done
 

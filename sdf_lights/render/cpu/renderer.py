@@ -21,7 +21,7 @@ from ..scene import Scene
 from . import background
 from .block import PackedScene, Workspace
 from .light_path_pilot import SAMPLES as PILOT_SAMPLES
-from .light_path_pilot import Pilot, pays, pilot_pixels, promises
+from .light_path_pilot import Pilot, may_pay, pays, pilot_pixels
 from .light_paths import LightPaths
 from .path_splitting import render_tile
 
@@ -140,8 +140,8 @@ class CpuRenderer:
         return True
 
     def _try_light_paths(self, stop: Callable[[], bool]) -> bool:
-        """Keep light paths only if they pay. The film has none of the samples that tell, and begins anew with light paths.
-        Returns False if stopped before the end."""
+        """Keep light paths only if they pay. The film has none of the samples that tell, and begins anew with light
+        paths. Returns False if stopped before the end."""
         light_paths, film = self._light_paths, self._film
         if light_paths is None or not light_paths.automatic:
             return True
@@ -150,7 +150,7 @@ class CpuRenderer:
         if pixels is None:
             return True
         without = self._pilot(pixels, stop)
-        if without is None or not promises(without):
+        if without is None or not may_pay(without):
             return without is not None
         connected = self._pilot(pixels, stop, light_paths)
         if connected is None:
@@ -163,7 +163,8 @@ class CpuRenderer:
     def _pilot(
         self, pixels: np.ndarray, stop: Callable[[], bool], light_paths: LightPaths | None = None
     ) -> Pilot | None:
-        """Samples of some pixels on a film of their own, with ``light_paths`` or without; None if stopped before the end."""
+        """Samples of some pixels on a film of their own, with ``light_paths`` or without; None if stopped before the
+        end."""
         trial = Film(self._scene, self._film.passes)
         trial.branches[:], trial.active[:] = self._film.branches, pixels
         self._packed.set_film(self._scene, trial)

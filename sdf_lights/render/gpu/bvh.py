@@ -4,8 +4,9 @@
 (``shaders_glsl/rays.glsl``).
 
 A binary tree, split where the surface area heuristic is least over ``BINS`` bins of each axis (Wald 2007, "On fast
-construction of SAH-based bounding volume hierarchies"). A mesh that is used once is in the tree of the world, in world space. A mesh that is used more often has a separate tree, and the tree of the world has an item for
-each of its instances. All trees are concatenated in the same arrays.
+construction of SAH-based bounding volume hierarchies"). A mesh that is used once is in the tree of the world, in world
+space. A mesh that is used more often has a separate tree, and the tree of the world has an item for each of its
+instances. All trees are concatenated in the same arrays.
 """
 
 from __future__ import annotations
@@ -42,10 +43,10 @@ NODE = np.dtype(
 
 # A triangle, or an instance of a mesh with its own tree. For an instance, the primitive is −1, and the first two
 # numbers of ``b`` are, bit by bit, its tree's first node and the index of its transform. A transform is an item, too,
-# outside of all trees: the three rows of the matrix from the world to the mesh. For a segment of a curve, or a sphere, the
-# primitive is −2 − its number, and the numbers of ``a`` are, bit by bit, the place of its first control point in words of
-# four numbers, the number of its curve, and ``Primitive`` + ``KINDS`` × the pieces that a ribbon is divided into. Control
-# points, with their radii, are outside of all trees, too, three to an item.
+# outside of all trees: the three rows of the matrix from the world to the mesh. For a segment of a curve, or a sphere,
+# the primitive is −2 − its number, and the numbers of ``a`` are, bit by bit, the place of its first control point in
+# words of four numbers, the number of its curve, and ``Primitive`` + ``KINDS`` × the pieces that a ribbon is divided
+# into. Control points, with their radii, are outside of all trees, too, three to an item.
 ITEM = np.dtype(
     [
         ("a", np.float32, 3),
@@ -190,9 +191,10 @@ def grow(boxes, order, nodes, offset, base):
 
 
 class Hierarchy:
-    """The trees of a scene: ``nodes`` (``NODE``), of which the world's begin at ``root``, ``items`` (``ITEM``) and
-    ``baked`` (instances,), True if their triangles are in the world’s tree. ``depth`` bounds the stack of a ray. ``strands``: kinds of
-    curves and spheres that are there."""
+    """The trees of a scene:
+    ``nodes`` (``NODE``), of which the world's begin at ``root``, ``items`` (``ITEM``) and ``baked`` (instances,), True
+    if their triangles are in the world’s tree. ``depth`` bounds the stack of a ray. ``strands``: kinds of curves and
+    spheres that are there."""
 
     def __init__(self, scene: Scene, masks: list[int]):
         """``masks``: kinds of rays (``rays.Ray`` bits) that see each instance."""

@@ -18,8 +18,8 @@ from .translate import INT, Value
 
 
 def changing(bits: int) -> dict[str, Value]:
-    """Numbers of the block that change while a path is among catchers alone: nothing is added to the passes whose ``bits``
-    of ``outputs`` the film has, and no medium fills the world."""
+    """Numbers of the block that change while a path is among catchers alone: nothing is added to the passes whose
+    ``bits`` of ``outputs`` the film has, and no medium fills the world."""
     return {
         "outputs": Value(INT, f"(bare ? 0 : {bits})", possible=frozenset([0, bits])),
         "world_medium": Value(INT, "(bare ? -1 : scene.world_medium)"),

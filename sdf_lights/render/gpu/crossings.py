@@ -228,7 +228,7 @@ def crossings(block, row, o, d, start, end, spans):
 
 
 def flat_nodes(nodes: np.ndarray) -> np.ndarray:
-    """``FLAT_NODE`` of ``NODE``."""
+    """Records ``FLAT_NODE`` (n,) of records ``NODE`` (n,)."""
     found = np.zeros(len(nodes), FLAT_NODE)
     found["split"], found["lipschitz"] = nodes["split"], nodes["lipschitz"]
     bounds = nodes["gradient"]

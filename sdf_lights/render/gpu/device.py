@@ -43,7 +43,8 @@ class Device:
         return self._pool.submit(function, self.context, *arguments)
 
     def program(self, context, source: str):
-        """A compute shader, compiled unless it is cached. Call this in the context's thread."""
+        """A compute shader, compiled unless it is cached. Call this in the context's thread.
+        Raises DeviceError if the driver cannot compile it."""
         if source in self._programs:
             self._programs.move_to_end(source)
             return self._programs[source]
@@ -59,7 +60,8 @@ class Device:
 
     @staticmethod
     def allocate(context, size: int, make: Callable, *arguments, **options):
-        """The result of ``make`` for ``size`` bytes: a buffer or a texture. Call this in the context's thread."""
+        """The result of ``make`` for ``size`` bytes: a buffer or a texture. Call this in the context's thread.
+        Raises DeviceError if there is no room."""
         try:
             made, error = make(*arguments, **options), context.error
         except Exception as reason:  # each driver has errors of its own

@@ -19,8 +19,8 @@ _floats = table("texels", np.float32)
 
 
 def placed(images: list[Image], records: np.ndarray) -> dict[str, np.ndarray]:
-    """Tables of the pixels, and of the ``records`` of ``kernels.textures.pack_textures``, with the start of each image
-    in them."""
+    """Tables of the pixels, and of the ``records`` (images,) of ``kernels.textures.pack_textures``, with the start of
+    each image in them."""
     records, parts, used = records.copy(), [np.zeros(0, np.uint32)], 0
     for record, image in zip(records, images):
         if record["width"] > 0:

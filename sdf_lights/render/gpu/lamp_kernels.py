@@ -127,8 +127,8 @@ def prepare(block, lamp, x, n, two_sided, has_glossy, tolerance, limit, keys, st
 
 
 @kernel
-def prepare_lamp(block, workspace, lamp, pmf, x, n):
-    """Replaces ``next_event.prepare_lamp`` if cuts are used but do not pay."""
+def prepare_lamp_cut(block, workspace, lamp, pmf, x, n):
+    """Replaces ``next_event.prepare_lamp_cut`` if cuts are used but do not pay."""
     cuts.project(block, lamp, x, path_table(workspace)[0].has_glossy, cut_of(workspace))
 
 
@@ -140,8 +140,8 @@ def sample_point(block, lamp, x, store, cut, u1, u2, u3):
 
 @kernel
 def keep_lamp(block, workspace, lamp):
-    """Replaces ``next_event.renew_lamp`` if one emitter gives all the light and no ray passes a scattering surface: the
-    cut is that of the last light ray."""
+    """Replaces ``next_event.restore_lamp_cut`` if one emitter gives all the light and no ray passes a scattering
+    surface: the cut is that of the last light ray."""
 
 
 @kernel
@@ -158,7 +158,7 @@ def density(block, lamp, d, store, cut, spans, count):
 
 @kernel
 def no_light(block, workspace, lamp, pmf, u, u1, u2, u3):
-    """Replaces ``next_event.light_lamp`` if there is no lamp."""
+    """Replaces ``next_event.sample_lamp_light`` if there is no lamp."""
 
 
 @kernel

@@ -83,7 +83,7 @@ def layout_of(dtype: np.dtype, name: str, packed: bool = False):
 
 
 def size_of(array: np.ndarray) -> int:
-    """Words of a table."""
+    """Number of 32-bit words of a table (rows,)."""
     layout = layout_of(array.dtype, "")
     return array.size * (1 if isinstance(layout, str) else layout.size)
 

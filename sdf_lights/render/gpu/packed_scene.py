@@ -17,24 +17,24 @@ from ...graph.codegen_native import LANES
 from ...graph.tables import address_slots, as_float32, with_places
 from ..film import CHANNELS, HALF_BIT, SCATTERED, Film
 from ..kernels import camera, geometry, integrator, lamp_tree, lights, path, rays, samplers, shading
+from ..kernels.media import code_table as media_code
 from ..kernels.media import pack as media
-from ..kernels.media import parts as media_parts
-from ..kernels.outputs import apart as outputs
-from ..kernels.outputs import parts as output_parts
+from ..kernels.outputs import code_table as output_code
+from ..kernels.outputs import dispatch as outputs
 from ..kernels.outputs.records import DATA
 from ..kernels.packing import build_lamps, emissive_triangles, emitter_tables, instance_boxes, integrator_scalars
-from ..kernels.shading.material_compiler import LOBE_PRINCIPLED
+from ..kernels.shading.material_records import LOBE_PRINCIPLED
 from ..kernels.shading.operands import run
 from ..kernels.shading.records import HAS_SUBSURFACE, HAS_TRANSPARENCY
 from ..kernels.shading.special_lobes import LOBE_SUBSURFACE, WITH_SUBSURFACE, WITH_THIN_SCATTERING
-from ..kernels.strands import apart as strands
+from ..kernels.strands import dispatch as strands
 from ..kernels.strands.surface import fill as fill_strand
-from ..kernels.subsurface import parts as subsurface_parts
+from ..kernels.subsurface import code_table as subsurface_code
 from ..kernels.workspace import WORKSPACE_TABLES
 from ..passes import CATCHER_SUMS
 from ..scene import Scene
 from ..settings import LampSampling
-from . import catchers, lamp_kernels, parts, replacements, special
+from . import catchers, closed_lamp_parts, lamp_kernels, replacements, special
 from . import crossings as field_crossings
 from . import images as gpu_images
 from .bvh import KINDS, MOST_IN_LEAF, Hierarchy
@@ -92,9 +92,9 @@ MOST_NUMBERS = 1 << 24  # of lamps and their tables, whose indices are float32
 
 # Kernels that the CPU compiles separately, by the tables that hold their addresses there.
 CODE = {
-    "media_code": {place: kernel for place, (kernel, _) in media_parts.KERNELS.items()},
-    "subsurface_code": subsurface_parts.KERNELS,
-    "output_code": {place: kernel for place, (_, kernel, _) in output_parts.KERNELS.items()},
+    "media_code": {place: kernel for place, (kernel, _) in media_code.KERNELS.items()},
+    "subsurface_code": subsurface_code.KERNELS,
+    "output_code": {place: kernel for place, (_, kernel, _) in output_code.KERNELS.items()},
     "strand_code": {strands.FILL: fill_strand},
 }
 
@@ -111,9 +111,9 @@ def _with_tables(numbers: np.ndarray, addresses: list[int]) -> np.ndarray:
 
 
 class GpuScene:
-    """Tables and source for one scene, which stands still, and one film. ``images``: whether textures are read faster as
-    images; ``room``: bytes of a buffer; ``hierarchy``: that of the same triangles, curves and spheres, if there is one; ``moves``: whether
-    the same scene at other times shares the program."""
+    """Tables and source for one scene, which stands still, and one film. ``images``: whether textures are read faster
+    as images; ``room``: bytes of a buffer; ``hierarchy``: that of the same triangles, curves and spheres, if there is
+    one; ``moves``: whether the same scene at other times shares the program."""
 
     def __init__(
         self,
@@ -169,7 +169,7 @@ class GpuScene:
         shown, more = {}, {"outputs": 0}
         if has_outputs(film):
             emitters_shown = [*sources, *scene.lights, scene.world]
-            shown, more = output_parts.pack(scene, film, emitters_shown, emissive.instance)
+            shown, more = output_code.pack(scene, film, emitters_shown, emissive.instance)
             if not (film.matte_places or film.data_places.keys() - set(CATCHER_SUMS)):
                 more["outputs"] &= ~DATA  # catchers alone need no properties of surfaces
         tables |= {name: table for name, table in shown.items() if name not in WRITTEN}
@@ -211,18 +211,18 @@ class GpuScene:
         """A table that tells how to evaluate lamps' fields; it replaces the CPU's compiled terms in the rows of
         lamps."""
         rows = tables["lamps"]
-        found = np.zeros(len(rows), parts.FIELD)
+        found = np.zeros(len(rows), closed_lamp_parts.FIELD)
         numbers, used, addresses = [np.zeros(0)], 0, list[int]()
         self._numbers: dict[int, set[int]] = {}  # possible starts of the parameters of each formula
-        self.written_out = parts.WrittenOut.of(self.lamps)
-        pieces, first_part = [np.zeros(0, parts.PART)], 0
+        self.written_out = closed_lamp_parts.WrittenOut.of(self.lamps)
+        pieces, first_part = [np.zeros(0, closed_lamp_parts.PART)], 0
         for index, (row, field, source) in enumerate(zip(rows, found, sources)):
             row["direct"] = row["instruction_count"] > 0
             row["first_term"] = index
             if row["kind"] == emitter_lamps.CLOSED:
                 if self.written_out is not None:
                     self._first_written_out = int(row["first_instruction"])
-                pieces.append(parts.parts_of(self.lamps[index].program))
+                pieces.append(closed_lamp_parts.parts_of(self.lamps[index].program))
                 field["first_part"], field["part_count"] = first_part, len(pieces[-1])
                 first_part += len(pieces[-1])
             if row["kind"] == emitter_lamps.FIELD:
@@ -266,7 +266,7 @@ class GpuScene:
                         f"lamp “{lamp.name}” has too many parts: a ray may need room for {needed} "
                         f"intervals, and a thread has it for {MOST_ROWS}"
                     )
-                rows.append(needed + len(parts.parts_of(lamp.program)))
+                rows.append(needed + len(closed_lamp_parts.parts_of(lamp.program)))
         if self.written_out is not None:
             rows.append(self.written_out.rows)
         counts = {
@@ -286,7 +286,7 @@ class GpuScene:
         if self.media:
             counts["inside"] = 2  # of the path and of a light ray
         if has_outputs(self.film):
-            counts |= output_parts.workspace_counts(self.film)
+            counts |= output_code.workspace_counts(self.film)
             counts["first_scatterings"] = min(counts["first_scatterings"], 2)  # of the path and of a light ray
             counts["output_sums"] = max(counts["output_sums"], 4)  # three numbers would be a vector
             counts = {name: count for name, count in counts.items() if count}
@@ -383,7 +383,7 @@ class GpuScene:
         )
 
     def _defines(self) -> list[str]:
-        field = Record("lamp_fields", parts.FIELD)
+        field = Record("lamp_fields", closed_lamp_parts.FIELD)
         numbers = {
             "STACK": -(-self.hierarchy.depth // 16) * 16,
             "ITEMS_IN_LEAF": MOST_IN_LEAF,
@@ -497,7 +497,7 @@ def film_places(film: Film) -> tuple[dict[str, int], int]:
 
 def has_outputs(film: Film) -> bool:
     """Whether a film has passes beside ``film.CHANNELS``."""
-    return bool(output_parts.bits_of(film))
+    return bool(output_code.bits_of(film))
 
 
 def glsl(name: str) -> str:

@@ -21,7 +21,7 @@ from ...emitter.primitives import sponge, torus
 from ...emitter.sampling import cut, cut_points
 from ...emitter.tree import crossings
 from ...jit import call_part, float_bits, stack_array
-from ..kernels import departure, gather, geometry, lamp_tree, next_event, rays, textures
+from ..kernels import gather, geometry, lamp_tree, next_event, ray_origins, rays, textures
 from ..kernels.lights import emitters, rectangle, tree, triangle
 from ..kernels.media import in_scattering, light_rays, stack, travel
 from ..kernels.outputs import catchers as output_catchers
@@ -31,7 +31,7 @@ from ..kernels.shading import operands
 from ..kernels.subsurface import disk
 from ..kernels.subsurface import records as subsurface
 from ..kernels.workspace import cut_of, light_cut_of, spans_of
-from . import catchers, images, lamp_kernels, parts, still
+from . import catchers, closed_lamp_parts, images, lamp_kernels, still
 from . import crossings as field_crossings
 from .layout import Array
 from .translate import BOOL, CONSTANT, FLOAT, INT, UINT, ULONG, VECTOR, Native, Ref, Tuple, Value, known
@@ -154,7 +154,7 @@ ALWAYS = {
     hashing.uniform_point: Native("counted_point", VECTOR),
     rays.intersect: _ray("false"),
     rays.occluded: _ray("true"),
-    departure.number_of: Native("number_of", UINT),
+    ray_origins.number_of: Native("number_of", UINT),
     geometry.instance_at: still.instance_at,
     geometry.form_of: still.form_of,
     textures.texel: images.texel,
@@ -169,7 +169,7 @@ ALWAYS = {
     crossings.crossings: field_crossings.crossings,
     fields.value: Native(_field_value),
     emitter_lamps.note_length: Native(_note),
-    emitter_lamps.solve_all: parts.solve_all,
+    emitter_lamps.solve_all: closed_lamp_parts.solve_all,
     varying.attenuated_integral: lamp_kernels.attenuated_integral,
     varying.line_integral: lamp_kernels.line_integral,
     varying.colours: lamp_kernels.colours,
@@ -180,10 +180,10 @@ ALWAYS = {
 }
 WITH_BOXES = {cut.prepare: lamp_kernels.prepare}
 WITHOUT_BOXES = {cut.sample: lamp_kernels.sample, cut.density: lamp_kernels.density}
-BY_PROJECTION = {next_event.prepare_lamp: lamp_kernels.prepare_lamp}  # if boxes are used but do not pay
+BY_PROJECTION = {next_event.prepare_lamp_cut: lamp_kernels.prepare_lamp_cut}  # if boxes are used but do not pay
 ONE_EMITTER = {tree.select: lamp_kernels.select_only, tree.selection_probability: lamp_kernels.only_probability}
-ONE_LIGHT_RAY = {next_event.renew_lamp: lamp_kernels.keep_lamp}  # of one emitter, without transparent shadows
-NO_LAMPS = {next_event.light_lamp: lamp_kernels.no_light, gather.last_lamp_exit: lamp_kernels.no_lamp_exit}
+ONE_LIGHT_RAY = {next_event.restore_lamp_cut: lamp_kernels.keep_lamp}  # of one emitter, without transparent shadows
+NO_LAMPS = {next_event.sample_lamp_light: lamp_kernels.no_light, gather.last_lamp_exit: lamp_kernels.no_lamp_exit}
 
 CATCHERS = {emitters.reaches: catchers.reaches}
 

@@ -11,7 +11,7 @@ from functools import partial
 import numpy as np
 
 from ...jit import kernel
-from ..kernels.shading import apart, special
+from ..kernels.shading import dispatch, special
 from ..kernels.shading.records import BURLEY
 from ..kernels.subsurface import disk, walk
 from .translate import BLOCK, FLOAT, INT, Native, Tuple, Value, known
@@ -23,13 +23,13 @@ _SAMPLE = Tuple((FLOAT,) * 7 + (INT,)), ("closure", INT), ("u1", FLOAT), ("u2", 
 
 @kernel
 def _unrefined(block, workspace, lobe, closure, roughness):
-    """Replaces ``apart.refine`` if no material needs it."""
+    """Replaces ``dispatch.refine`` if no material needs it."""
     return roughness, -1.0, -1.0, -1.0
 
 
 @kernel
 def _opaque(block, workspace):
-    """Replaces ``apart.transparency``, likewise."""
+    """Replaces ``dispatch.transparency``, likewise."""
     return 0.0, 0.0, 0.0
 
 
@@ -40,13 +40,13 @@ def _shaded_transparency(block, workspace):
 
 @kernel
 def _no_wall(block, workspace, lobe, r, g, b):
-    """Replaces ``apart.thin_wall``, likewise."""
+    """Replaces ``dispatch.thin_wall``, likewise."""
     return 0.0
 
 
 @kernel
 def _no_scattering(block, workspace, lobe, r, g, b, ior):
-    """Replaces ``apart.subsurface``, likewise."""
+    """Replaces ``dispatch.subsurface``, likewise."""
     return 0.0
 
 
@@ -57,19 +57,20 @@ def _nowhere(block, workspace, closure):
 
 
 def natives(lobes: np.ndarray) -> dict:
-    """The replacements of the kernels of ``apart``, and of subsurface scattering, for a scene with these lobes."""
+    """The replacements of the kernels of ``dispatch``, and of subsurface scattering, for a scene with these lobes
+    (n,)."""
     found, closures, refined, thin, deep = special.kinds(lobes)
     methods = special.methods(lobes)
     return {
-        apart.add: _choice("special_add", _ADD, {kind: special.LOBES[kind][0] for kind in found}),
-        apart.evaluate: _choice(
+        dispatch.add: _choice("special_add", _ADD, {kind: special.LOBES[kind][0] for kind in found}),
+        dispatch.evaluate: _choice(
             "special_evaluate", _EVALUATE, {kind: special.CLOSURES[kind].evaluate for kind in closures}
         ),
-        apart.sample: _choice("special_sample", _SAMPLE, {kind: special.CLOSURES[kind].sample for kind in closures}),
-        apart.refine: special.REFINE if refined else _unrefined,
-        apart.thin_wall: special.THIN_WALL if thin else _no_wall,
-        apart.transparency: _shaded_transparency if thin else _opaque,
-        apart.subsurface: special.SCATTERING if deep else _no_scattering,
+        dispatch.sample: _choice("special_sample", _SAMPLE, {kind: special.CLOSURES[kind].sample for kind in closures}),
+        dispatch.refine: special.REFINE if refined else _unrefined,
+        dispatch.thin_wall: special.THIN_WALL if thin else _no_wall,
+        dispatch.transparency: _shaded_transparency if thin else _opaque,
+        dispatch.subsurface: special.SCATTERING if deep else _no_scattering,
         disk.scatter: disk.scatter if BURLEY in methods else _nowhere,
         walk.walk: walk.walk if methods - {BURLEY} else _nowhere,
     }

@@ -35,8 +35,8 @@ class Tables:
     ``tables`` are those of the block, ``scalars`` its numbers; ``settled`` names scalars that are constants of
     programs. ``workspace`` maps names to (dtype, count) of each thread's tables. ``room``: words of a buffer; tables
     that do not fit into the first are in a second one. ``code`` has the kernels by index in tables that hold addresses
-    on the CPU. ``changing``: scalars that change along a path. ``written``: tables that kernels write into, as arrays of
-    floats in GLSL, with ``{}`` for the index. ``unknown``: tables of whose values a program may know nothing.
+    on the CPU. ``changing``: scalars that change along a path. ``written``: tables that kernels write into, as arrays
+    of floats in GLSL, with ``{}`` for the index. ``unknown``: tables of whose values a program may know nothing.
     """
 
     def __init__(
@@ -125,7 +125,7 @@ class Tables:
         return Value(Ref(Array(layout_of(dtype, name)), reader=self.reader(name)), f"scene.{name}_start", count=rows)
 
     def constant(self, array: np.ndarray) -> Value | None:
-        """The table that is this array, in a module of kernels; None if there is none."""
+        """The table that is this array (n,), in a module of kernels; None if there is none."""
         for name, own in self._tables.items():
             if own is array:
                 return self.table(name, array.dtype, known(BLOCK))

@@ -76,7 +76,7 @@ def filter_radius(settings: Settings) -> float:
 
 
 def filter_weight(settings: Settings, x: np.ndarray) -> np.ndarray:
-    """Pixel filter at the distance ``x`` (pixels) along one axis, not normalised.
+    """Pixel filter (n,) at the distances ``x`` (n,), in pixels, along one axis. It is not normalised.
 
     The gaussian has a standard deviation of a quarter of the width. The other filter is the four-term window of Harris
     1978, "On the use of windows for harmonic analysis with the discrete Fourier transform", over twice the width.

@@ -13,7 +13,7 @@ from ...vec import madd, mul, negate, put
 from . import camera, lights, textures
 from .path import path_table, put_depths
 from .shading.graphs import Graphs
-from .shading.material_compiler import EMISSION, NO_GRAPH
+from .shading.material_records import EMISSION, NO_GRAPH
 from .shading.operands import run
 from .shading.records import REGISTERS, SURFACE, surface_table
 from .workspace import WORKSPACE, secondary_table
@@ -124,4 +124,4 @@ def world_map(tables: dict[str, np.ndarray], graphs: Graphs, block: np.dtype, ro
     points = np.zeros((0, 3)) if disc is None else disc.points()
     found = np.zeros(len(points))
     _fill_map(own[0], work[0], int(addresses[record["graph"]]), slots, points, found, values)
-    return WorldMap(values) if disc is None else disc.apart(values, float(found.mean()))
+    return WorldMap(values) if disc is None else disc.separate(values, float(found.mean()))

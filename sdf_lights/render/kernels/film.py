@@ -9,7 +9,7 @@ import numpy as np
 from ...jit import kernel, table
 from ...vec import scale, sub, vec
 from ..film import CHANNELS, DISCARDED, DIVIDED, HALF_BIT, SQUARES, Film
-from .outputs import apart as outputs
+from .outputs import dispatch as outputs
 from .path import sample_table
 
 TABLES = {

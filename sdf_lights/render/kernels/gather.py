@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Emission that the ray of a path meets, weighed by the balance heuristic against light rays from where it scattered."""
+"""Emission that the ray of a path meets, weighed by the balance heuristic against light rays from where it
+scattered."""
 
 from __future__ import annotations
 
@@ -15,11 +16,11 @@ from . import lights
 from .emission_graphs import modulated
 from .geometry import surface_table
 from .lamp_tree import found_table, lamps_along
-from .media import apart as media
+from .media import dispatch as media
 from .media.beams import attenuation
 from .media.records import inside_table
-from .next_event import competes, facing, lamp_density, renew_lamp, rival_density
-from .path import CAMERA, EMISSION_SET, contribute, of_instance, path_table, show_environment, uncover
+from .next_event import bsdf_mis_pdf, competes, lamp_pdf, restore_lamp_cut, selection_normal
+from .path import CAMERA, EMISSION_SET, contribute, of_instance, path_table, show_environment, subtract_alpha
 from .samplers import get_1d
 from .workspace import cut_of, hit_table, light_cut_of, spans_of
 
@@ -36,7 +37,12 @@ def _mis(block, workspace, emitter, pdf):
     if not competes(block, emitter) or not lights.reaches(block, emitter, path.bounce - 1):
         return 0.0
     pmf = lights.selection_probability(
-        block, path.light_tree, vec(path.origin), facing(path, vec(path.normal)), emitter, light_cut_of(workspace)
+        block,
+        path.light_tree,
+        vec(path.origin),
+        selection_normal(path, vec(path.normal)),
+        emitter,
+        light_cut_of(workspace),
     )
     return path.pdf / (path.pdf + pmf * pdf)
 
@@ -51,14 +57,14 @@ def _lamp_mis(block, workspace, lamp, count):
         return 0.0
     cut = cut_of(workspace)
     origin, normal = vec(path.origin), vec(path.normal)
-    renew_lamp(block, workspace, lamp)
+    restore_lamp_cut(block, workspace, lamp)
     if cut.strategy == NO_LIGHT_RAYS:
         return 1.0
     pmf = lights.selection_probability(
-        block, path.light_tree, origin, facing(path, normal), lamp, light_cut_of(workspace)
+        block, path.light_tree, origin, selection_normal(path, normal), lamp, light_cut_of(workspace)
     )
-    density = lamp_density(block, workspace, lamp, origin, vec(path.direction), count)
-    rival = rival_density(cut, path.pdf, path.glossy_pdf)
+    density = lamp_pdf(block, workspace, lamp, origin, vec(path.direction), count)
+    rival = bsdf_mis_pdf(cut, path.pdf, path.glossy_pdf)
     return rival / (rival + pmf * density) if rival > 0.0 else 0.0
 
 
@@ -71,7 +77,7 @@ def counts(block, workspace, lamp):
     if path.pdf <= 0.0 or path.glossy_pdf > 0.0:
         return True
     cut = cut_of(workspace)
-    renew_lamp(block, workspace, lamp)
+    restore_lamp_cut(block, workspace, lamp)
     return cut.bsdf_mis_scale > NO_BSDF_RAYS and competes(block, lamp)
 
 
@@ -161,7 +167,7 @@ def gather_world(block, workspace):
     path = path_table(workspace)[0]
     hidden = path.kind == CAMERA and block.transparent_film != 0
     if hidden:
-        uncover(workspace, 1.0)
+        subtract_alpha(workspace, 1.0)
         if not block.shows_environment:
             return
     world = lights.world_emitter(block)

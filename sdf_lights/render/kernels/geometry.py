@@ -29,11 +29,11 @@ from ...vec import (
 from ..material import Attribute
 from ..scene import AttributeValues, Domain, Instance, Mesh, Primitive, Ray, Scene
 from ..strands import radii_of, strand_of, world_scale
-from .departure import exact_origin, number_of
+from .ray_origins import exact_origin, number_of
 from .rays import hit_instance, hit_normal, ray_table, world_positions
-from .shading.material_compiler import MATERIAL
+from .shading.material_records import MATERIAL
 from .shading.records import NEEDS_DERIVATIVES, NEEDS_OBJECT_NORMAL, NEEDS_RADIAL, NEEDS_SHADOW_POINT, SURFACE
-from .strands import apart as strands
+from .strands import dispatch as strands
 
 # All indices are rows of the tables below; −1: the mesh has no such data. ``attributes`` is the first of as many rows
 # as materials look up attributes.
@@ -67,7 +67,8 @@ INSTANCE = np.dtype(
         ("forms", np.int64),
         ("vertex_count", np.int64),
         ("time", np.float64),
-        # What the triangles are; of curves and spheres also the first of their radii and of the numbers of their curves.
+        # What the triangles are; of curves and spheres also the first of their radii and of the numbers of their
+        # curves.
         ("primitive", np.int64),
         ("radii", np.int64),
         ("strands", np.int64),
@@ -387,8 +388,8 @@ def world_corner_normal(block, instance, triangle, corner):
 
 @kernel
 def _even_normal(block, instance, triangle, u, v):
-    """Shading normal of an instance that is put into the world, as Cycles has it: the mean of the corners' normals there, which
-    scales that differ do not weigh."""
+    """Shading normal of an instance that is put into the world, as Cycles has it: the mean of the corners' normals
+    there, which scales that differ do not weigh."""
     n = scale(world_corner_normal(block, instance, triangle, 0), 1.0 - u - v)
     n = madd(n, u, world_corner_normal(block, instance, triangle, 1))
     return normalize(madd(n, v, world_corner_normal(block, instance, triangle, 2)))

@@ -4,8 +4,8 @@
 
 Each emitter (an SDF lamp, a Blender light, an emissive triangle, the world) is an integral of its own over the sphere
 of directions. It is estimated twice at every vertex of a path: once by a ray towards a point of an emitter that
-``lights.select`` drew (``next_event``), once by the ray that continues the path (``gather``), which adds the line integral of
-every lamp it crosses before its hit (Huang et al. 2026, equations 1 and 2).
+``lights.select`` drew (``next_event``), once by the ray that continues the path (``gather``), which adds the line
+integral of every lamp it crosses before its hit (Huang et al. 2026, equations 1 and 2).
 """
 
 from __future__ import annotations
@@ -16,15 +16,14 @@ from ...jit import kernel
 from ...vec import average, dot, largest, mul, negate, put, put_sum, scale, sub, vec
 from . import lights
 from .camera import camera_ray, filter_offset, view_depth
-from .departure import clear_self_primitive, offset_ray_origin, spawn_ray
 from .gather import gather_lamps, gather_lights, gather_surface, gather_world, last_lamp_exit
 from .geometry import find_surface, instance_table, shading_material_table, surface_table
-from .light_paths import apart as light_paths
+from .light_paths import dispatch as light_paths
 from .light_paths.records import FOLLOW_ALL
-from .media import apart as media
+from .media import dispatch as media
 from .media.records import inside_table
-from .next_event import light_vertex
-from .outputs import apart as outputs
+from .next_event import sample_direct_light
+from .outputs import dispatch as outputs
 from .outputs.records import CATCHERS, DATA, LOBES
 from .path import (
     AT_EXIT,
@@ -41,8 +40,9 @@ from .path import (
     path_table,
     put_depths,
     sample_table,
-    uncover,
+    subtract_alpha,
 )
+from .ray_origins import clear_self_primitive, offset_ray_origin, spawn_ray
 from .rays import beyond, intersect, ray_table, start_anew
 from .samplers import get_1d, get_2d, get_3d
 from .shading import sample as sample_surface
@@ -59,7 +59,7 @@ from .shading.records import (
     TRANSMISSION,
     TRANSPARENT,
 )
-from .subsurface import apart as subsurface
+from .subsurface import dispatch as subsurface
 from .visibility import BLACK
 from .workspace import cut_of
 
@@ -125,7 +125,8 @@ def _count_bounce(block, path, kind):
 
 @kernel
 def _leave_portal(workspace, path, surface, kind, wi):
-    """Go on from a surface that has a portal, straight or through it. As in Cycles, what is found then counts in full."""
+    """Go on from a surface that has a portal, straight or through it. As in Cycles, what is found then counts in
+    full."""
     path.pdf = 0.0
     if kind & THROUGH_PORTAL:
         position = vec(surface.exit)
@@ -142,8 +143,8 @@ def _leave_portal(workspace, path, surface, kind, wi):
 
 @kernel
 def _leave_to_light_paths(block, workspace, path, wi, kind):
-    """Note what connections estimate of the light from the new direction of a path; or scale the path down by that, if nothing
-    else is found there. What is scattered into a single direction at the first hit is left to the path."""
+    """Note what connections estimate of the light from the new direction of a path; or scale the path down by that, if
+    nothing else is found there. What is scattered into a single direction at the first hit is left to the path."""
     if kind & SINGULAR and path.follow & FOLLOW_ALL == 0:
         path.connects = NOWHERE
         return
@@ -218,7 +219,7 @@ def survives(path):
 
 
 @kernel
-def nothing_left(block, surface):
+def finds_no_light(block, surface):
     """Whether no ray from here can find light, once only emission counts: all of it is left to light sampling."""
     if block.has_subsurface and surface.subsurface > 0:
         return False
@@ -283,14 +284,15 @@ def prepare_ray(block, workspace):
 
 @kernel
 def advance(block, workspace, whole):
-    """Follow the workspace's path along its ray, and scatter it where that meets a surface: as ``shade_and_scatter``."""
+    """Follow the workspace's path along its ray, and scatter it where that meets a surface: as
+    ``shade_and_scatter``."""
     return shade_and_scatter(block, workspace, whole) if intersect_and_gather(block, workspace) else ENDS
 
 
 @kernel
 def intersect_and_gather(block, workspace):
-    """Follow the workspace's path along its ray, and add the emission on the way: True if it ends at a surface, or where a
-    medium scatters it."""
+    """Follow the workspace's path along its ray, and add the emission on the way: True if it ends at a surface, or
+    where a medium scatters it."""
     path = path_table(workspace)[0]
     if block.has_subsurface and path.event == AT_EXIT:
         return True
@@ -313,7 +315,7 @@ def intersect_and_gather(block, workspace):
         sample = sample_table(workspace)[0]
         sample.met += ESCAPE * sample.divided
         if block.outputs & DATA and path.kind == CAMERA:
-            outputs.leave(block, workspace)
+            outputs.add_miss(block, workspace)
         gather_world(block, workspace)
         return False
     path.length = t_to
@@ -350,7 +352,7 @@ def shade_and_scatter(block, workspace, whole):
     wo = vec(path.direction) if exits else negate(vec(path.direction))
     find_surface(block, workspace, wo, path.kind, t_to * block.camera_pixel_angle + block.camera_pixel_width)
     if path.kind == CAMERA and instance_table(block)[surface.instance].holdout:
-        uncover(workspace, 1.0)
+        subtract_alpha(workspace, 1.0)
         return ENDS
     if block.outputs & CATCHERS and path.kind == CAMERA and instance_table(block)[surface.instance].catcher:
         outputs.catch(block, workspace)
@@ -372,7 +374,7 @@ def shade_and_scatter(block, workspace, whole):
     if not exits:
         gather_surface(block, workspace)
     if path.kind == CAMERA:
-        uncover(workspace, surface.holdout)
+        subtract_alpha(workspace, surface.holdout)
         put_sum(sample.diffuse_albedo, mul(vec(path.throughput), vec(surface.diffuse_albedo)))
         first = not sample.found and average(vec(surface.transparency)) < 0.5
         if first:
@@ -396,8 +398,8 @@ def shade_and_scatter(block, workspace, whole):
     if block.light_paths and path.connects and not light_paths.weigh(block, workspace):
         return ENDS
     if surface.evaluable > 0 and not last:
-        light_vertex(block, workspace)
-    if surface.closure_count == 0 or (path.bounce >= block.max_bounces and nothing_left(block, surface)):
+        sample_direct_light(block, workspace)
+    if surface.closure_count == 0 or (path.bounce >= block.max_bounces and finds_no_light(block, surface)):
         return ENDS
     if whole and divides(block, workspace):
         return DIVIDES

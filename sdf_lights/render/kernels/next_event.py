@@ -19,10 +19,10 @@ from ...vec import dot, largest, length, mul, negate, scale, vec
 from . import lights
 from .emission_graphs import modulated
 from .geometry import surface_at, surface_table
-from .light_paths import apart as light_paths
+from .light_paths import dispatch as light_paths
 from .light_paths.records import source_table as light_path_sources
-from .media import apart as media
-from .outputs import apart as outputs
+from .media import dispatch as media
+from .outputs import dispatch as outputs
 from .outputs.records import LOBES
 from .outputs.state import LIGHT_RAY
 from .path import BEYOND, LIGHT_SET, contribute, path_table, put_depths, sample_table
@@ -41,16 +41,16 @@ NO_RAY = 0  # light sampling evaluates emission for all kinds of rays at once, a
 def competes(block, emitter):
     """Whether rays that scatter in any way can meet the emitter, so that both estimates share its light by MIS.
 
-    One that is hidden from some kinds of rays is left to light sampling, and to singular scattering; so is one whose shadows
-    not all cast.
+    One that is hidden from some kinds of rays is left to light sampling, and to singular scattering; so is one whose
+    shadows not all cast.
     """
     return lights.competes(block, emitter, SCATTERED)
 
 
 @kernel
 def shade_triangle(block, workspace, emitter, x, wi, distance):
-    """Radiance (RGB) of a textured emissive triangle, shaded where the ray from x along wi meets it: transparent surfaces may
-    be in front of it."""
+    """Radiance (RGB) of a textured emissive triangle, shaded where the ray from x along wi meets it: transparent
+    surfaces may be in front of it."""
     secondary = secondary_table(workspace)[0]
     surface = surface_table(secondary)[0]
     instance, primitive, u, v = lights.triangle_point(block, x, emitter, wi)
@@ -63,15 +63,16 @@ def shade_triangle(block, workspace, emitter, x, wi, distance):
 
 
 @kernel
-def facing(path, n):
+def selection_normal(path, n):
     """The normal by which emitters are chosen: none where light counts that falls on either side."""
     return BLACK if path.two_sided else n
 
 
 @replaced_on_gpu
 @kernel
-def prepare_lamp(block, workspace, lamp, pmf, x, n):
-    """Make the cut of the workspace that of a lamp, chosen with probability ``pmf``, for the lit point x with normal n."""
+def prepare_lamp_cut(block, workspace, lamp, pmf, x, n):
+    """Make the cut of the workspace that of a lamp, chosen with probability ``pmf``, for the lit point x with normal
+    n."""
     cut, path = cut_of(workspace), path_table(workspace)[0]
     if block.lamp_strategy != BOXES:
         cut.lamp, cut.strategy, cut.points = lamp, block.lamp_strategy, WHOLE_RAYS
@@ -97,35 +98,36 @@ def prepare_lamp(block, workspace, lamp, pmf, x, n):
 
 @replaced_on_gpu
 @kernel
-def renew_lamp(block, workspace, lamp):
+def restore_lamp_cut(block, workspace, lamp):
     """Make the workspace's cut that of the lamp for the point where the path scattered last, unless it is."""
     path = path_table(workspace)[0]
     if cut_of(workspace).lamp != lamp:
         origin, normal = vec(path.origin), vec(path.normal)
         pmf = lights.selection_probability(
-            block, path.light_tree, origin, facing(path, normal), lamp, light_cut_of(workspace)
+            block, path.light_tree, origin, selection_normal(path, normal), lamp, light_cut_of(workspace)
         )
-        prepare_lamp(block, workspace, lamp, pmf, origin, normal)
+        prepare_lamp_cut(block, workspace, lamp, pmf, origin, normal)
 
 
 @kernel
 def lamp_direction(block, workspace, lamp, x, u1, u2, u3):
-    """Unit direction from x to the lamp, by the workspace's cut; its density is ``lamp_density``."""
+    """Unit direction from x to the lamp, by the workspace's cut; its density is ``lamp_pdf``."""
     if block.lamp_strategy == EXTERNAL:
         return external.sample(block, workspace, lamp, x, u1, u2, u3)
     return cuts.sample(block, lamp, x, box_table(workspace), cut_of(workspace), u1, u2, u3)
 
 
 @kernel
-def lamp_density(block, workspace, lamp, x, d, count):
-    """Density per solid angle of ``lamp_direction`` giving d, from the ``count`` intervals of that ray in the workspace."""
+def lamp_pdf(block, workspace, lamp, x, d, count):
+    """Density per solid angle of ``lamp_direction`` giving d, from the ``count`` intervals of that ray in the
+    workspace."""
     if block.lamp_strategy == EXTERNAL:
         return external.density(block, workspace, lamp, x, d, count)
     return cuts.density(block, lamp, d, box_table(workspace), cut_of(workspace), spans_of(workspace), count)
 
 
 @kernel
-def rival_density(cut, pdf, glossy_pdf):
+def bsdf_mis_pdf(cut, pdf, glossy_pdf):
     """What the density of a BSDF counts against that of a cut.
 
     The cut follows the cosine, so it needs little help with broad lobes. It knows nothing of those of microfacets.
@@ -134,7 +136,7 @@ def rival_density(cut, pdf, glossy_pdf):
 
 
 @kernel
-def divide_light(block, workspace, wi, emitter):
+def record_scattering_lobes(block, workspace, wi, emitter):
     """Tell passes which lobes scatter the light of a light ray along wi, where it is the first to scatter it."""
     if block.outputs & LOBES and path_table(workspace)[0].bounce == 0:
         outputs.divide(block, workspace, wi, 0, lights.visibility(block, emitter), LIGHT_RAY)
@@ -148,21 +150,21 @@ def leave_to_light_paths(block, workspace, wi, emitter):
 
 
 @kernel
-def look(block, workspace, n, wi):
-    """Tell the media that a light ray starts at the surface along wi. Below its shading normal n is inside, as in Cycles:
-    smooth surfaces are lit from directions below their triangles, too."""
+def begin_light_ray(block, workspace, n, wi):
+    """Tell the media that a light ray starts at the surface along wi. Below its shading normal n is inside, as in
+    Cycles: smooth surfaces are lit from directions below their triangles, too."""
     media.bounds(block, workspace, media.LOOK_THROUGH if dot(n, wi) < 0.0 else media.LOOK)
 
 
 @replaced_on_gpu
 @kernel
-def light_lamp(block, workspace, lamp, pmf, u, u1, u2, u3):
+def sample_lamp_light(block, workspace, lamp, pmf, u, u1, u2, u3):
     """One ray towards a lamp that was chosen with probability ``pmf``."""
     path = path_table(workspace)[0]
     surface = surface_table(workspace)[0]
     x, n = vec(surface.position), vec(surface.n)
     spans, cut, store = spans_of(workspace), cut_of(workspace), box_table(workspace)
-    prepare_lamp(block, workspace, lamp, pmf, x, n)
+    prepare_lamp_cut(block, workspace, lamp, pmf, x, n)
     if cut.strategy == NO_LIGHT_RAYS:
         return
     if cut.points != WHOLE_RAYS:
@@ -176,11 +178,11 @@ def light_lamp(block, workspace, lamp, pmf, u, u1, u2, u3):
             return
         start = light_start(block, workspace, wi)
         if block.has_media:
-            look(block, workspace, n, wi)
+            begin_light_ray(block, workspace, n, wi)
         to_point, t_max = shadow_ray(x, start, wi, distance)
         weight = mul(weight, transmittance(block, workspace, start, to_point, t_max, lights.blockers(block, lamp)))
         if largest(weight) > 0.0:
-            divide_light(block, workspace, wi, lamp)
+            record_scattering_lobes(block, workspace, wi, lamp)
             leave_to_light_paths(block, workspace, wi, lamp)
             contribute(
                 block, workspace, mul(weight, intensity), 1.0 / (pmf * distance * distance), lamp, path.bounce + 1
@@ -193,19 +195,19 @@ def light_lamp(block, workspace, lamp, pmf, u, u1, u2, u3):
     count = lamps.trace(block, lamp, x, wi, spans)
     if count == 0:
         return
-    rival = rival_density(cut, pdf, glossy_pdf) if competes(block, lamp) else 0.0
-    pdf_sum = pmf * lamp_density(block, workspace, lamp, x, wi, count) + rival
+    rival = bsdf_mis_pdf(cut, pdf, glossy_pdf) if competes(block, lamp) else 0.0
+    pdf_sum = pmf * lamp_pdf(block, workspace, lamp, x, wi, count) + rival
     if block.has_media:
-        look(block, workspace, n, wi)
+        begin_light_ray(block, workspace, n, wi)
     radiance = visible_lamp(block, workspace, lamp, x, wi, spans, count, light_start(block, workspace, wi), u)
     if largest(radiance) > 0.0:
-        divide_light(block, workspace, wi, lamp)
+        record_scattering_lobes(block, workspace, wi, lamp)
         leave_to_light_paths(block, workspace, wi, lamp)
         contribute(block, workspace, mul(weight, radiance), 1.0 / pdf_sum, lamp, path.bounce + 1)
 
 
 @kernel
-def light_vertex(block, workspace):
+def sample_direct_light(block, workspace):
     """Next event estimation at ``workspace.surface``: one ray towards one emitter."""
     path = path_table(workspace)[0]
     surface = surface_table(workspace)[0]
@@ -214,12 +216,14 @@ def light_vertex(block, workspace):
     path.light_tree = lights.tree_of(block, surface.instance)
     cut_of(workspace).lamp = -1
     u = get_4d(path.index, path.seed, path.dimension + LIGHT_SET)
-    emitter, pmf, u0 = lights.select(block, path.light_tree, x, facing(path, n), u[0], light_cut_of(workspace))
+    emitter, pmf, u0 = lights.select(
+        block, path.light_tree, x, selection_normal(path, n), u[0], light_cut_of(workspace)
+    )
     if pmf <= 0.0 or not lights.reaches(block, emitter, path.bounce):
         return
     scatters = path.bounce + 1
     if emitter < block.lamp_count:
-        light_lamp(block, workspace, emitter, pmf, u0, u[1], u[2], u[3])
+        sample_lamp_light(block, workspace, emitter, pmf, u0, u[1], u[2], u[3])
         return
     wi, distance, radiance, pdf, singular = lights.sample_light(block, emitter, x, n, u[1], u[2])
     if pdf <= 0.0 or largest(radiance) <= 0.0:
@@ -230,7 +234,7 @@ def light_vertex(block, workspace):
     start = light_start(block, workspace, wi)
     if lights.casts_shadow(block, emitter):
         if block.has_media:
-            look(block, workspace, n, wi)
+            begin_light_ray(block, workspace, n, wi)
         to_light, t_max = shadow_ray(x, start, wi, distance)
         weight = mul(weight, transmittance(block, workspace, start, to_light, t_max, lights.blockers(block, emitter)))
         if largest(weight) <= 0.0:
@@ -242,6 +246,6 @@ def light_vertex(block, workspace):
     radiance = mul(weight, radiance)
     if singular or not competes(block, emitter):
         scatter_pdf = 0.0
-    divide_light(block, workspace, wi, emitter)
+    record_scattering_lobes(block, workspace, wi, emitter)
     leave_to_light_paths(block, workspace, wi, emitter)
     contribute(block, workspace, radiance, 1.0 / (pmf * pdf + scatter_pdf), emitter, scatters)

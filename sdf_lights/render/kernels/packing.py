@@ -157,7 +157,7 @@ class Elsewhere(NamedTuple):
     suns: list[dict[int, np.ndarray]]  # direction to each
 
     def follow_suns(self, rows: np.ndarray) -> None:
-        """Add the table ``light_infinite`` to the tables, from its state at the frame."""
+        """Add the table ``light_infinite`` (``rows``, (suns,)) to the tables, from its state at the frame."""
         for table, suns in zip(self.tables, self.suns):
             table["light_infinite"] = rows.copy()
             for row in table["light_infinite"]:
@@ -165,7 +165,8 @@ class Elsewhere(NamedTuple):
 
 
 def pack_elsewhere(scene: Scene, sources: list[Lamp], materials: np.ndarray) -> Elsewhere | None:
-    """Camera and lights at even times, for the lamps ``sources`` that give light; None if none of it moves."""
+    """Camera and lights at even times, for the lamps ``sources`` that give light and the ``materials`` (n,); None if
+    none of it moves."""
     if scene.shutter is None:
         return None
     emits = (materials["flags"] & HAS_EMISSION != 0) & (materials["sample_emission"] != 0)
@@ -234,7 +235,8 @@ def clear_lamps(rows: np.ndarray, center: np.ndarray, half: np.ndarray) -> np.nd
 
 
 def integrator_scalars(scene: Scene, flags: np.ndarray, tables: dict[str, np.ndarray]) -> dict[str, float]:
-    """Scalars of the block: settings of the integrator, and features of the scene."""
+    """Scalars of the block: settings of the integrator, and features of the scene. ``flags`` (materials,) are those of
+    ``material_records.MATERIAL``."""
     settings = scene.settings
     names = (
         "seed",
@@ -266,7 +268,7 @@ def integrator_scalars(scene: Scene, flags: np.ndarray, tables: dict[str, np.nda
 
 
 def emissive_triangles(scene: Scene, materials: np.ndarray) -> lights.Triangles:
-    """Every triangle of every instance whose material emits and is sampled, in world space."""
+    """Every triangle of every instance whose material, of ``materials`` (n,), emits and is sampled, in world space."""
     emits = (materials["flags"] & HAS_EMISSION != 0) & (materials["sample_emission"] != 0)
     # Only a plain Emission of constant colour is uniform in space and direction.
     varies = (materials["graph"] != shading.NO_GRAPH) | np.array(

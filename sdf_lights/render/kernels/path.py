@@ -10,7 +10,7 @@ from ..scene import Ray
 from ..settings import MOST_BRANCHES
 from . import lights
 from .light_paths.records import source_table as light_path_sources
-from .outputs import apart as outputs
+from .outputs import dispatch as outputs
 from .outputs.records import LIGHT
 
 WHITE = (1.0, 1.0, 1.0)
@@ -69,12 +69,12 @@ SAMPLE = np.dtype(
 # ``share`` is the fraction of the sample that the path represents, 1 until it splits, and ``index`` its index in the
 # sampling pattern. ``expected``: for a branch, an estimate of its light, from the irradiance at its hit; ``brought``:
 # its contribution to the sample, as a sum of RGB. ``event`` says where the ray ends, ``in_medium`` is 1 if a medium was
-# the last to scatter the path, and it has ``crossed`` so many surfaces that only bound media. ``connects`` is BEFORE along a
-# ray from the surface where the path split, if connections to light paths estimate the light of its next hit, too; of
-# that, they can estimate the part ``taken`` (RGB). It is BEYOND from the next surface on: then they do estimate the part
-# ``taken`` of what lamps add in the present direction, and ``share_taken`` (RGB) of what the surface scatters by those
-# closures that light paths ``follow`` there. ``left`` is the part that they are expected to leave to the ray, if
-# Russian roulette has counted on that; else 1. ``catches`` is 1 once the camera's path has hit a shadow catcher.
+# the last to scatter the path, and it has ``crossed`` so many surfaces that only bound media. ``connects`` is BEFORE
+# along a ray from the surface where the path split, if connections to light paths estimate the light of its next hit,
+# too; of that, they can estimate the part ``taken`` (RGB). It is BEYOND from the next surface on: then they do estimate
+# the part ``taken`` of what lamps add in the present direction, and ``share_taken`` (RGB) of what the surface scatters
+# by those closures that light paths ``follow`` there. ``left`` is the part that they are expected to leave to the ray,
+# if Russian roulette has counted on that; else 1. ``catches`` is 1 once the camera's path has hit a shadow catcher.
 # ``spans`` still holds the ``kept_count`` intervals of the lamp ``kept`` along the ray; −1: of none.
 PATH = np.dtype(
     [
@@ -201,7 +201,7 @@ def put_depths(path, surface):
 
 
 @kernel
-def uncover(workspace, part):
+def subtract_alpha(workspace, part):
     """Subtract from the sample's alpha where the camera sees nothing behind."""
     sample = sample_table(workspace)[0]
     alpha = sample.alpha - part * average(vec(path_table(workspace)[0].throughput))

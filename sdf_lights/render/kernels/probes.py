@@ -13,9 +13,9 @@ import numpy as np
 from ...jit import kernel
 from ...vec import ZERO, add, dot, frame, length, madd, negate, normalize, scale, sub, vec
 from ..scene import Ray
-from .departure import clear_self_primitive, spawn_ray
 from .geometry import _fill_surface, surface_table
 from .path import path_table
+from .ray_origins import clear_self_primitive, spawn_ray
 from .rays import SHADOW_OPAQUE, SHADOW_TRANSPARENT, beyond, hit_instance, intersect, occluded, ray_table
 from .samplers import get_2d
 from .workspace import secondary_table
@@ -41,8 +41,8 @@ def _is_met(surface):
 
 @kernel
 def _disk(u, v):
-    """A point of the unit disk that keeps neighbours together (Shirley and Chiu 1997, "A low distortion map between disk and
-    square")."""
+    """A point of the unit disk that keeps neighbours together (Shirley and Chiu 1997, "A low distortion map between
+    disk and square")."""
     a, b = 2.0 * u - 1.0, 2.0 * v - 1.0
     if a == 0.0 and b == 0.0:
         return 0.0, 0.0

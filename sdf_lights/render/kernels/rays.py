@@ -25,7 +25,7 @@ RAY = np.dtype(
         ("time", np.float32),
         ("t_far", np.float32),
         ("mask", np.uint32),
-        ("id", np.uint32),  # what it starts on, and does not meet: ``departure.number_of``
+        ("id", np.uint32),  # what it starts on, and does not meet: ``ray_origins.number_of``
         ("flags", np.uint32),  # of the one that it has gone through last; none of Embree's uses this field
         ("normal", np.float32, (3,)),
         ("u", np.float32),

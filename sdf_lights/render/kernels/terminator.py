@@ -2,24 +2,24 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Where light rays start on triangles with smooth normals.
 
-Such a triangle stands for a curved surface that it does not follow, so its shadows end at its edges: the shadow terminator (Hanika
-2021, "Hacking the shadow terminator", Ray Tracing Gems II, chapter 4). As in Cycles with its geometry offset, light rays near the
-horizon start on a parabola above the triangle.
+Such a triangle stands for a curved surface that it does not follow, so its shadows end at its edges: the shadow
+terminator (Hanika 2021, "Hacking the shadow terminator", Ray Tracing Gems II, chapter 4). As in Cycles with its
+geometry offset, light rays near the horizon start on a parabola above the triangle.
 """
 
 from __future__ import annotations
 
 from ...jit import kernel
 from ...vec import add, dot, madd, scale, sub, vec
-from .departure import clear_self_primitive, spawn_ray
 from .geometry import corner_position, instance_at, surface_table, world_corner_normal
+from .ray_origins import clear_self_primitive, spawn_ray
 from .rays import ray_table
 
 
 @kernel
 def light_start(block, workspace, wi):
-    """Where a light ray along ``wi`` from the workspace's surface starts. It may meet the surface's own triangle if light comes from
-    behind that."""
+    """Where a light ray along ``wi`` from the workspace's surface starts. It may meet the surface's own triangle if
+    light comes from behind that."""
     surface = surface_table(workspace)[0]
     start, cutoff = spawn_ray(workspace, surface, wi), surface.terminator
     if cutoff <= 0.0:
@@ -38,8 +38,8 @@ def light_start(block, workspace, wi):
 
 @kernel
 def _lift(block, surface, side):
-    """The way from a point of a triangle to the curved surface that its normals stand for; ``side``: 1 where light comes from the
-    side of ``surface.ng``, else -1."""
+    """The way from a point of a triangle to the curved surface that its normals stand for;
+    ``side``: 1 where light comes from the side of ``surface.ng``, else -1."""
     instance, triangle = instance_at(block, surface.instance), surface.primitive
     v, w = surface.barycentric[0], surface.barycentric[1]
     u = 1.0 - v - w

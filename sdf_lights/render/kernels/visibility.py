@@ -11,10 +11,10 @@ from ... import emitter as lamps
 from ...jit import kernel
 from ...vec import add, largest, length, madd, mul, negate, scale, sub
 from . import lights
-from .departure import step_size
 from .geometry import find_shadow_surface, shading_material_table
-from .media import apart
+from .media import dispatch
 from .path import path_table, put_depths
+from .ray_origins import step_size
 from .rays import OFFSET, TRANSPARENT_PLACES, beyond, intersect, occluded, ray_table, start_anew
 from .shading import transparency
 from .shading.records import HAS_TRANSPARENCY, NEEDS_RAY, surface_table
@@ -57,7 +57,7 @@ def transmittance(block, workspace, start, direction, t_max, blockers):
     if occluded(block, workspace, start, direction, 0.0, t_max, blockers):
         return BLACK
     if block.has_media:
-        return apart.shadow(block, workspace, start, direction, t_max, blockers)
+        return dispatch.shadow(block, workspace, start, direction, t_max, blockers)
     result = (1.0, 1.0, 1.0)
     if block.transparent_shadows:
         t_min = 0.0
@@ -96,7 +96,7 @@ def visible_lamp(block, workspace, lamp, x, direction, spans, count, start, u):
     """
     start_anew(block, workspace)
     if block.has_media:
-        return apart.lamp(block, workspace, lamp, x, direction, count, start, u)
+        return dispatch.lamp(block, workspace, lamp, x, direction, count, start, u)
     t_end = spans[count - 1, 0] + spans[count - 1, 1]
     total, weight, t_from = BLACK, (1.0, 1.0, 1.0), 0.0
     mask = lights.blockers(block, lamp)

@@ -54,8 +54,8 @@ class Disc:
         points = cosine[:, None, None] * self.direction + np.sqrt(1.0 - cosine**2)[:, None, None] * around
         return points.reshape(-1, 3)
 
-    def apart(self, values: np.ndarray, radiance: float) -> WorldMap:
-        """The map without the disc, whose mean brightness is ``radiance``.
+    def separate(self, values: np.ndarray, radiance: float) -> WorldMap:
+        """The map (height, width) without the disc, whose mean brightness is ``radiance``.
 
         Cells whose middle lies in the disc get the values around it.
         """
@@ -87,7 +87,7 @@ def _mean(values: np.ndarray) -> float:
 
 
 def find_disc(roots: Sequence[Formula], numbers: np.ndarray, constants: np.ndarray) -> Disc | None:
-    """The disc of the only sky with a sun among the formulas of a world, whose parameters are ``numbers``; None if
+    """The disc of the only sky with a sun among the formulas of a world, whose parameters are ``numbers`` (n,); None if
     there is none, several, or a rotated one. ``constants`` holds the skies' numbers."""
     discs = []
     for node in order(*roots):

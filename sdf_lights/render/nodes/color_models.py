@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Hue, saturation, and value or lightness of colours, as formulas. All components are in [0, 1] for colours in gamut."""
+"""Hue, saturation, and value or lightness of colours, as formulas. All components are in [0, 1] for colours in
+gamut."""
 
 from __future__ import annotations
 

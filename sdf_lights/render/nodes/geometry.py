@@ -37,8 +37,8 @@ def attribute(node: NodeInputs, found: Attribute, function: Function = lookups.A
 
 
 def generated(node: NodeInputs) -> Vector:
-    """Generated texture coordinates: the bounding box of the undeformed mesh is [0, 1]³. Lights have no mesh: theirs are
-    object coordinates, as in Cycles."""
+    """Generated texture coordinates: the bounding box of the undeformed mesh is [0, 1]³. Lights have no mesh: theirs
+    are object coordinates, as in Cycles."""
     if node.setting("domain") == "LIGHT":
         return in_object(node)
     return as_vector(attribute(node, Attribute("generated")))

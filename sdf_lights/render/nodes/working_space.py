@@ -32,7 +32,7 @@ WORKING_SPACES = {
 
 def xyz_to_rgb(working_space: str | None) -> np.ndarray:
     """(3, 3) matrix from XYZ to the working space of that name; to Rec. 709 if there is none."""
-    return WORKING_SPACES.get(working_space, REC709)
+    return REC709 if working_space is None else WORKING_SPACES.get(working_space, REC709)
 
 
 def luminance_weights(working_space: str | None) -> tuple[float, ...]:

@@ -177,7 +177,8 @@ class Camera:
         return radius * np.cos(phi), radius * np.sin(phi)
 
     def depth(self, positions: np.ndarray) -> np.ndarray:
-        """Depth as in Blender: along the viewing axis; for panoramas the distance from the camera."""
+        """Depth (N,) of positions (N, 3) as in Blender: along the viewing axis; for panoramas the distance from the
+        camera."""
         matrix = np.asarray(self.camera.matrix, float)
         offset = positions - matrix[:3, 3]
         if self.panorama:

@@ -36,13 +36,13 @@ class Lobe:
         vars(self).update(parameters)
 
     def select(self, rows: np.ndarray) -> "Lobe":
-        """The lobe of some points, given as indices or as a mask."""
+        """The lobe of some points, given as indices (n,) or as a mask (N,)."""
         return type(self)(
             **{name: value[rows] if isinstance(value, np.ndarray) else value for name, value in vars(self).items()}
         )
 
     def kind(self, wi: np.ndarray) -> np.ndarray:
-        """Kind of the continuing ray along wi; 0: the same ray goes straight through."""
+        """Kind (N,) of the continuing ray along wi (N, 3); 0: the same ray goes straight through."""
         return np.full(len(wi), int(Ray.DIFFUSE))
 
     def evaluate(self, wo: np.ndarray, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -157,7 +157,8 @@ class Straight(Lobe):
 
 
 def dielectric(cosine: np.ndarray, ior: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Unpolarised reflectance, and cosine of the refracted ray (0 if there is none); ior of far over near side."""
+    """Unpolarised reflectance (N,), and cosine (N,) of the refracted ray (0 if there is none); ior of far over near
+    side."""
     c = np.clip(np.abs(cosine), 0.0, 1.0)
     ct2 = 1.0 - (1.0 - c * c) / ior**2
     ct = np.sqrt(np.maximum(ct2, 0.0))
@@ -187,7 +188,7 @@ NONE, DIELECTRIC, F82 = "none", "dielectric", "f82"
 
 
 def masking(alpha2: np.ndarray, cosine: np.ndarray) -> np.ndarray:
-    """Smith's Λ of GGX."""
+    """Smith's Λ (N,) of GGX, for α² (N,) and cosines (N,)."""
     c2 = np.maximum(cosine * cosine, 1e-300)
     return 0.5 * (np.sqrt(1.0 + alpha2 * np.maximum(1.0 / c2 - 1.0, 0.0)) - 1.0)
 
@@ -291,8 +292,8 @@ class Microfacet(Lobe):
 
 
 def specular_normal(surface: Surface, normal: np.ndarray) -> np.ndarray:
-    """``normal`` turned towards the geometric one just so far that the mirror direction of wo leaves the surface; of a curve,
-    as it is, as in Cycles.
+    """``normal`` (N, 3) turned towards the geometric one just so far that the mirror direction of wo leaves the
+    surface; of a curve, as it is, as in Cycles.
 
     By bisection of the way between the two normals.
     """

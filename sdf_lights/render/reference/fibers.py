@@ -21,8 +21,8 @@ def absorption_of(color: np.ndarray, roughness: np.ndarray) -> np.ndarray:
 
 
 class Fiber(Lobe):
-    """Base of all models of hair: ``tangent`` (N, 3), and the geometric normal ``facing`` (N, 3) of the surface. ``strand``
-    (N,) bool: on a curve, not on a mesh.
+    """Base of all models of hair: ``tangent`` (N, 3), and the geometric normal ``facing`` (N, 3) of the surface.
+    ``strand`` (N,) bool: on a curve, not on a mesh.
 
     Their samples continue in any direction; light rays do not see all of it.
     """
@@ -105,8 +105,8 @@ class Hair(Fiber):
 
 
 class Round(Fiber):
-    """Base of both models of Principled Hair: ``sigma`` (N, 3), ``ior``, ``tilt`` (N,), and the shading normal ``smooth`` (N, 3)
-    of the surface."""
+    """Base of both models of Principled Hair:
+    ``sigma`` (N, 3), ``ior``, ``tilt`` (N,), and the shading normal ``smooth`` (N, 3) of the surface."""
 
     def axes(self, wo):
         """Unit vectors across the view, and towards the viewer, both perpendicular to the fiber."""
@@ -173,8 +173,8 @@ def draw_logistic(rng, s):
 
 
 class Chiang(Round):
-    """Chiang et al. 2016. ``offset`` (N,) is that of the ray from the middle of the fiber; ``v``, ``v0`` (N,) variances along it
-    and of R, ``s`` (N,) the width about it."""
+    """Chiang et al. 2016. ``offset`` (N,) is that of the ray from the middle of the fiber; ``v``, ``v0`` (N,) variances
+    along it and of R, ``s`` (N,) the width about it."""
 
     widths = ("v", "v0", "s")
 

@@ -46,14 +46,14 @@ class Surface:
     ray_singular: np.ndarray
     depth: np.ndarray
     ray_pdf: np.ndarray  # density of its scattering; 0: singular, or the camera
-    # Of curves: which kind of scene.Primitive it is, else 0; and the tangent, of their parameter. Of curves and spheres:
-    # their number, as in ``Strands``.
+    # Of curves: which kind of scene.Primitive it is, else 0; and the tangent, of their parameter. Of curves and
+    # spheres: their number, as in ``Strands``.
     strand: np.ndarray
     tangent: np.ndarray
     number: np.ndarray
 
     def select(self, rows: np.ndarray) -> "Surface":
-        """The hits of some rows, given as indices or as a mask."""
+        """The hits of some rows, given as indices (n,) or as a mask (N,)."""
         return Surface(**{name: value[rows] for name, value in vars(self).items()})
 
 
@@ -198,12 +198,12 @@ class Placed:
         self.triangle_count = int(counts[self.mesh_of].sum()) if len(self.mesh_of) else 0
 
     def material(self, instance: np.ndarray, triangle: np.ndarray) -> np.ndarray:
-        """Index of the material of triangles."""
+        """Index (N,) of the material of triangles (N,) of instances (N,)."""
         slot = self.slots[self.first[self.mesh_of[instance]] + triangle]
         return self.materials[instance, slot.clip(0, self.materials.shape[1] - 1)]
 
     def surface(self, hits: Hits, directions: np.ndarray) -> Surface:
-        """The surface at ``hits``, all of which exist, of rays along ``directions``."""
+        """The surface at ``hits``, all of which exist, of rays along ``directions`` (N, 3)."""
         row = self.first[self.mesh_of[hits.instance]] + hits.triangle
         matrix = self.matrices[hits.instance]
         barycentric = np.stack([1.0 - hits.u - hits.v, hits.u, hits.v], -1)
@@ -253,8 +253,8 @@ class Geometry(Placed):
     """All instances of a scene: intersection, and the surface at a hit."""
 
     def __init__(self, scene: Scene, use_embree: bool | None = None):
-        """``use_embree``: None uses Embree for more than ``EMBREE_TRIANGLES`` triangles, if it is found. Only Embree finds
-        curves and spheres."""
+        """``use_embree``: None uses Embree for more than ``EMBREE_TRIANGLES`` triangles, if it is found. Only Embree
+        finds curves and spheres."""
         super().__init__(scene)
         if use_embree is None or self.strands.there:
             use_embree = self.strands.there or self.triangle_count > EMBREE_TRIANGLES
@@ -297,8 +297,8 @@ class Geometry(Placed):
         return largest
 
     def intersect(self, origins, directions, far, masks, refused=None) -> Hits:
-        """Nearest hits closer than ``far`` with instances visible to any of the kinds of ray in ``masks`` (N,), but not with
-        the curves and spheres whose numbers are ``refused`` (N, K)."""
+        """Nearest hits closer than ``far`` with instances visible to any of the kinds of ray in ``masks`` (N,), but not
+        with the curves and spheres whose numbers are ``refused`` (N, K)."""
         if self.rays is None:
             distance, index, u, v = self._hierarchy.nearest(origins, directions, far, masks)
             if len(self._instance) == 0:
@@ -329,7 +329,7 @@ class Geometry(Placed):
                 target[going] = values
 
     def offset(self, position: np.ndarray, ng: np.ndarray, direction: np.ndarray) -> np.ndarray:
-        """Origins for rays that leave a surface, moved to the side on which they leave."""
+        """Origins (N, 3), in world space, for rays that leave a surface, moved to the side on which they leave."""
         return position + self.epsilon * np.where(dot(ng, direction) < 0.0, -1.0, 1.0)[:, None] * ng
 
     def light_start(self, surface: Surface, wi: np.ndarray) -> np.ndarray:

@@ -33,5 +33,5 @@ class Hits:
         return cls(np.full(count, np.inf), *np.full((2, count), -1), *np.zeros((2, count)), np.zeros((count, 3)))
 
     def select(self, rows: np.ndarray) -> "Hits":
-        """Those of some rays, given as indices or as a mask."""
+        """Those of some rays, given as indices (n,) or as a mask (N,)."""
         return Hits(*(array[rows] for array in vars(self).values()))

@@ -10,8 +10,8 @@ import numpy as np
 
 from ..material import Node
 from ..scene import Ray
-from ..tables import albedo
 from . import bsdfs
+from .albedo_tables import Table, cosine_axis, ior_axis
 from .closures import (
     DIELECTRIC,
     F82,
@@ -44,41 +44,6 @@ from .vectors import dot, normalize
 
 CUTOFF = 1e-5  # lobes with less weight are left out
 LOWEST_SHEEN = 1e-2  # roughness below which the fits of sheen do not hold
-
-
-class Table:
-    """Directional albedos from ``render.tables``, with multilinear interpolation."""
-
-    def __init__(self):
-        flat = albedo.load()
-        self._values = {
-            name: flat[start : start + int(np.prod(shape))].reshape(shape)
-            for (name, shape), start in zip(albedo.SHAPES.items(), albedo.OFFSETS.values())
-        }
-
-    def __call__(self, name: str, *coordinates: np.ndarray) -> np.ndarray:
-        """Values at coordinates in [0, 1], one array for each axis of the table."""
-        table = self._values[name]
-        total = np.zeros(np.broadcast(*coordinates).shape)
-        cells = []
-        for x, size in zip(coordinates, table.shape):
-            x = np.clip(x, 0.0, 1.0) * (size - 1)
-            low = np.minimum(x.astype(int), size - 2)
-            cells.append((low, x - low))
-        for corner in np.ndindex((2,) * table.ndim):
-            weight = np.prod([t if k else 1.0 - t for k, (_, t) in zip(corner, cells)], axis=0)
-            total += weight * table[tuple(low + k for k, (low, _) in zip(corner, cells))]
-        return total
-
-
-def ior_axis(ior: np.ndarray) -> np.ndarray:
-    """Coordinate of the tables of glass for an index of refraction (N,)."""
-    return np.sqrt(np.abs((ior - 1.0) / (ior + 1.0)))
-
-
-def cosine_axis(cosine: np.ndarray) -> np.ndarray:
-    """Coordinate of the tables for a cosine (N,)."""
-    return np.sqrt(np.maximum(cosine, 0.0))
 
 
 def leaves(node, points: Points, weight: np.ndarray) -> Iterator[tuple[Node, np.ndarray]]:

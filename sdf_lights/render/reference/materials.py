@@ -9,6 +9,7 @@ import numpy as np
 from ...graph.formula import Vector
 from ..material import Material, Node
 from ..scene import Ray, Scene
+from .albedo_tables import Table
 from .bsdfs.ray_portal import THROUGH_PORTAL, Portal
 from .closures import (
     DIELECTRIC,
@@ -21,7 +22,7 @@ from .closures import (
 )
 from .fibers import Chiang, Hair
 from .geometry import Geometry, Surface
-from .material_lobes import CUTOFF, Builder, Table, leaves
+from .material_lobes import CUTOFF, Builder, leaves
 from .nodes import Graph, Points
 from .rare import AshikhminShirley
 from .subsurface import Subsurface
@@ -41,7 +42,7 @@ class Shading:
         self.entered: list[tuple[np.ndarray, Subsurface]] = []  # rows that ``sample`` has sent below the surface
 
     def select(self, rows: np.ndarray) -> "Shading":
-        """The same for some rows, given as indices or as a mask."""
+        """The same for some rows, given as indices (n,) or as a mask (N,)."""
         rows = np.arange(len(self.holdout))[rows]
         result = Shading(self.surface.select(rows))
         for name in ("emission", "transparency", "albedo", "diffuse_albedo", "holdout", "scatters", "portal"):
@@ -70,7 +71,8 @@ class Shading:
                     lobe.weight = lobe.weight * light
 
     def blur(self, least_pdf: np.ndarray, limit: float) -> None:
-        """Raise the roughness of lobes where the ``least_pdf`` (N,) of a path is below ``limit``: Filter Glossy of Cycles."""
+        """Raise the roughness of lobes where the ``least_pdf`` (N,) of a path is below ``limit``: Filter Glossy of
+        Cycles."""
         blurred = least_pdf < limit
         if not blurred.any():
             return
@@ -83,8 +85,8 @@ class Shading:
                     self.scatters[rows] |= (lobe.weight.mean(1) >= CUTOFF) & ~lobe.singular
 
     def evaluate(self, wi: np.ndarray, kinds: Ray = Ray.ALL) -> tuple[np.ndarray, np.ndarray]:
-        """f · |cos| (N, 3), of lobes that scatter as one of these ``kinds`` of rays, and pdf (N,) of all lobes that are not
-        singular."""
+        """f · |cos| (N, 3), of lobes that scatter as one of these ``kinds`` of rays, and pdf (N,) of all lobes that are
+        not singular."""
         value, pdf = np.zeros(wi.shape), np.zeros(len(wi))
         for rows, lobes in self.groups:
             part = self.surface.select(rows)
@@ -213,7 +215,8 @@ class Materials:
         return shading
 
     def exits(self, surface: Surface, footprint: np.ndarray) -> Shading:
-        """White diffuse surfaces where light leaves from below, with the bump of the subsurface closures there."""
+        """White diffuse surfaces where light leaves from below, for footprints (N,) in metres, with the bump of the
+        subsurface closures there."""
         shading = Shading(surface)
         for index, rows in self._groups(surface):
             part, normal = surface.select(rows), surface.ns[rows]

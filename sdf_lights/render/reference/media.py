@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Homogeneous participating media, in the world and in meshes.
 
-A path through media carries the light of one channel of RGB, drawn where it begins, three times. So its extinction is one
-number, and distances to collisions are drawn by it: all that a ray meets before its collision counts in full.
+A path through media carries the light of one channel of RGB, drawn where it begins, three times. So its extinction is
+one number, and distances to collisions are drawn by it: all that a ray meets before its collision counts in full.
 """
 
 from __future__ import annotations
@@ -60,8 +60,8 @@ class Media:
         return np.tile((np.array(self.owners, int) == WORLD).astype(int), (count, 1))
 
     def around(self, positions: np.ndarray) -> np.ndarray:
-        """(N, columns): the media around cameras. A mesh contains a point if a ray leaves it without having entered
-        it."""
+        """(N, columns) bool: the media around cameras. A mesh contains a point if a ray leaves it without having
+        entered it."""
         inside, start, going = self.outside(len(positions)), positions.copy(), np.arange(len(positions))
         if self._columns.max(initial=-1) < 0:
             return inside
@@ -146,7 +146,7 @@ class Phase:
         self.media, self.inside, self.direction = media, inside, direction
 
     def select(self, rows: np.ndarray) -> Phase:
-        """The same for some rows, given as indices or as a mask."""
+        """The same for some rows, given as indices (n,) or as a mask (N,)."""
         return Phase(self.media, self.inside[rows], self.direction[rows])
 
     def evaluate(self, wi: np.ndarray, kinds: Ray = Ray.ALL) -> tuple[np.ndarray, np.ndarray]:
@@ -173,7 +173,7 @@ class Phase:
 
 
 def points_of(position: np.ndarray, direction: np.ndarray) -> Surface:
-    """Points of rays in media, in the place of surfaces; their instance is −1."""
+    """Points (N, 3) of rays in media, in the place of surfaces; their instance is −1."""
     count, zero = len(position), np.zeros_like(position)
     nothing, number = np.zeros(count), np.zeros(count, int)
     return Surface(

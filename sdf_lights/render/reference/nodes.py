@@ -155,8 +155,8 @@ class Points(Inputs):
         return super().variable(name, component) if values is None else values[:, component].astype(float)
 
     def edges(self) -> np.ndarray:
-        """World edges (N, 2, 3) of the triangles from their first vertex; the tangents of curves, and the directions across
-        them."""
+        """World edges (N, 2, 3) of the triangles from their first vertex; the tangents of curves, and the directions
+        across them."""
         surface = self.surface
         corners = self.geometry.corners[self.geometry.first[self.mesh] + surface.triangle]
         matrix = self.geometry.matrices[surface.instance][:, :3, :3]
@@ -245,8 +245,8 @@ class Points(Inputs):
         return np.array(rows, float).reshape(-1, 9)[place.ravel()].T
 
     def _sizes(self, corner: int) -> tuple[np.ndarray, np.ndarray]:
-        """Radii (N,) of curves or spheres at a vertex of what was hit, in local space; the factor (N,) to the world, of a
-        diagonal."""
+        """Radii (N,) of curves or spheres at a vertex of what was hit, in local space; the factor (N,) to the world, of
+        a diagonal."""
         surface, radius, factor = self.surface, np.zeros(self.count), np.ones(self.count)
         curved = surface.number != NONE
         for index in np.unique(surface.instance[curved]):

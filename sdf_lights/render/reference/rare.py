@@ -13,7 +13,8 @@ from .vectors import dot, normalize, reflect, uniform_cone
 
 
 class AshikhminShirley(Lobe):
-    """Ashikhmin and Shirley 2000, without their Fresnel term, of roughness ``alpha`` along ``tangent`` and ``across`` it (N,).
+    """Ashikhmin and Shirley 2000, without their Fresnel term, of roughness ``alpha`` along ``tangent`` and ``across``
+    it (N,).
 
     As in Cycles, the lobe is divided by the larger of both cosines.
     """
@@ -60,7 +61,8 @@ class AshikhminShirley(Lobe):
 
 
 class Velvet(Lobe):
-    """Ashikhmin's distribution of inverted Gaussians, of width ``sigma`` (N,), with the masking of Torrance and Sparrow."""
+    """Ashikhmin's distribution of inverted Gaussians, of width ``sigma`` (N,), with the masking of Torrance and
+    Sparrow."""
 
     counts_as_diffuse = False  # in passes, as in Cycles
     diffuse = True

@@ -12,7 +12,8 @@ from ..film import CAUGHT_LIGHT, DISCARDED, HALF_BIT, Film
 from ..motion import at, part_of, time_of
 from ..passes import CATCHER_SUMS
 from ..scene import Scene
-from .integrator import Integrator, Samples
+from .integrator import Integrator
+from .paths import Samples
 
 # Rays of one wave: large enough for NumPy, small enough to be stopped within a fraction of a second.
 WAVE = 8192
@@ -123,7 +124,7 @@ class ReferenceRenderer:
         where = surface[where[film.surfaces[new] == 0]]
         new = pixel[where]
         self._sum("position", new, samples.position[where])
-        self._sum("depth", new, self._integrator.camera.depth(samples.position[where])[:, None])
+        self._sum("depth", new, self._integrator.data.camera.depth(samples.position[where])[:, None])
         np.add.at(film.surfaces, pixel[surface], 1)
 
     def _add_catchers(self, pixel: np.ndarray, rows: np.ndarray, samples: Samples) -> None:

@@ -33,11 +33,11 @@ class Spans(NamedTuple):
     far: np.ndarray
 
     def total(self, values: np.ndarray, count: int) -> np.ndarray:
-        """Sum of ``values``, one per span, for each of ``count`` rays."""
+        """Sums (count,) of ``values`` (spans,), one per span, for each of ``count`` rays."""
         return np.bincount(self.ray, values, count)
 
     def length(self, start: np.ndarray, end: np.ndarray) -> np.ndarray:
-        """Length of each ray inside the lamp between the distances ``start`` and ``end`` along it."""
+        """Length (N,) of each ray inside the lamp between the distances ``start`` and ``end`` along it."""
         part = np.minimum(self.far, end[self.ray]) - np.maximum(self.near, start[self.ray])
         return self.total(np.maximum(part, 0.0), len(start))
 
@@ -137,7 +137,8 @@ class SdfLamp:
     # --- rays ---------------------------------------------------------------------------------------------------------
 
     def spans(self, origins: np.ndarray, directions: np.ndarray) -> Spans:
-        """Every part of the rays, from their origins on, that is inside the lamp; distances in world space."""
+        """Every part of the rays, from their origins (N, 3) along directions (N, 3), that is inside the lamp; distances
+        in world space."""
         # The local direction is not made a unit vector, so that distances need no conversion.
         return self._local_spans((origins - self._origin) @ self._inverse.T, directions @ self._inverse.T)
 
@@ -210,7 +211,7 @@ class SdfLamp:
     # --- light sampling -----------------------------------------------------------------------------------------------
 
     def sample(self, rng: np.random.Generator, x: np.ndarray) -> np.ndarray:
-        """Directions from the points x to points uniform in the lamp: projection sampling."""
+        """Directions (N, 3) from the points x (N, 3) to points uniform in the lamp: projection sampling."""
         points = np.empty(x.shape)
         missing = np.arange(len(x))
         # The filled fraction of the box bounds the wait; a shape too thin to be hit gives up in the end.

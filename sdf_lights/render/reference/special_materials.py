@@ -60,7 +60,8 @@ def as_facets(lobe: Microfacet, **changes) -> Facets:
 
 
 def principled_facets(points, node: Node, lobe: Microfacet, backfacing: np.ndarray) -> Microfacet:
-    """Microfacets of Principled with the anisotropy and the film of the node."""
+    """Microfacets (N points) of Principled, some of them ``backfacing`` (N,), with the anisotropy and the film of the
+    node."""
     anisotropy = np.clip(points.input(node, "anisotropic"), 0.0, 1.0)
     thickness = points.input(node, "thin_film_thickness")
     if not np.any(anisotropy > 0.0) and not np.any(thickness > THINNEST_FILM):
@@ -136,7 +137,8 @@ def metal_facets(points, node: Node, lobe: Microfacet) -> Facets:
 
 
 def glass_facets(points, node: Node, lobe: Microfacet, backfacing: np.ndarray) -> Microfacet:
-    """Microfacets of Glass or Refraction with the film and the distribution of the node."""
+    """Microfacets of Glass or Refraction, some of them ``backfacing`` (N,), with the film and the distribution of the
+    node."""
     beckmann, filmed = node.settings.get("distribution", "MULTI_GGX") == "BECKMANN", node.kind == "glass"
     thickness = points.input(node, "thin_film_thickness") if filmed else np.zeros(points.count)
     if not beckmann and not np.any(thickness > THINNEST_FILM):

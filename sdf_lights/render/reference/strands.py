@@ -17,8 +17,8 @@ NONE = -1
 
 
 class Strands:
-    """The curves and spheres of a scene. ``there``: whether it has any. A *number* tells them apart in the whole scene; that of
-    a triangle is ``NONE``."""
+    """The curves and spheres of a scene. ``there``: whether it has any. A *number* tells them apart in the whole scene;
+    that of a triangle is ``NONE``."""
 
     def __init__(self, scene: Scene):
         self.scene, self.there = scene, has_strands(scene)
@@ -49,7 +49,8 @@ class Strands:
         return result
 
     def surface(self, hits: Hits, wo: np.ndarray) -> dict[str, np.ndarray]:
-        """Fields of ``geometry.Surface`` at hits of curves and spheres, with normals that do not face the viewer yet."""
+        """Fields of ``geometry.Surface`` at hits of curves and spheres, with normals that do not face the viewer
+        yet."""
         count = len(wo)
         position, tangent, normal = hits.point, np.zeros((count, 3)), np.zeros((count, 3))
         u, v = hits.u.copy(), np.zeros(count)

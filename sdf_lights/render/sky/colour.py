@@ -46,7 +46,7 @@ REC709_FROM_XYZ = np.array(
 
 
 def planck(temperature: float, wavelengths: np.ndarray) -> np.ndarray:
-    """Radiance of a black body (kelvin) at wavelengths in nanometres, W/(m² sr nm)."""
+    """Radiance (n,) of a black body (kelvin) at wavelengths (n,) in nanometres, in W/(m² sr nm)."""
     metres = 1e-9 * wavelengths
     first, second = 1.1910429723971884e-16, 1.438776877503933e-2  # 2hc², hc/k (CODATA 2018)
     return 1e-9 * first / metres**5 / np.expm1(second / (metres * temperature))

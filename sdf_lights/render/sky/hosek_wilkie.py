@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Hosek and Wilkie 2012, "An analytic model for full spectral sky-dome radiance", in its version for CIE XYZ, as in Cycles.
+"""Hosek and Wilkie 2012, "An analytic model for full spectral sky-dome radiance", in its version for CIE XYZ, as in
+Cycles.
 
 ``hosek_wilkie.npz`` beside this file holds the authors' published coefficients; ``hosek_wilkie.npz.license`` has their
 licence.

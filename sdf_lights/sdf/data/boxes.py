@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A tree of boxes around many small things.
 
-It is a complete binary tree: node i has the children 2i and 2i + 1, the leaves are nodes ``leaves`` to 2 ``leaves`` − 1, and
-leaf j holds the ``LEAF`` things from ``LEAF`` j on. So it has no pointers, and NumPy builds it in one pass for each level: each
-box is divided across its longest side, with as many things in one half as in the other.
+It is a complete binary tree: node i has the children 2i and 2i + 1, the leaves are nodes
+``leaves`` to 2 ``leaves`` − 1, and leaf j holds the ``LEAF`` things from ``LEAF`` j on. So it has no pointers, and
+NumPy builds it in one pass for each level: each box is divided across its longest side, with as many things in one half
+as in the other.
 """
 
 from __future__ import annotations
@@ -15,7 +16,8 @@ LEAF = 4  # things of a leaf
 
 
 def tree(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Order of n things with boxes from ``low`` to ``high`` (n, k), and boxes of the nodes (2 leaves, 2k); that of node 0 is 0.
+    """Order of n things with boxes from ``low`` to ``high`` (n, k), and boxes of the nodes (2 leaves, 2k); that of node
+    0 is 0.
 
     In the order (LEAF · leaves,) some things are there more than once, so that all leaves are full.
     """

@@ -1,12 +1,14 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Signed distance grids: a narrow band of voxels in blocks of 8³, tiles elsewhere, and a coarse grid of the blocks' corners.
+"""Signed distance grids: a narrow band of voxels in blocks of 8³, tiles elsewhere, and a coarse grid of the blocks'
+corners.
 
-The field is φ = f + sgn(c) max(|c| − m, 0). The fine part f is trilinear in the voxels of blocks and is ± the width of the
-band in tiles. The coarse part c is trilinear in the blocks. Wherever f varies, |c| ≤ m: so at every point one part varies
-alone. Each component of a trilinear gradient does not depend on its own coordinate and is linear in each other, so its square
-norm is convex in every coordinate: it is greatest at the corners of a voxel. That gives the exact Lipschitz constant L.
-Outside of the grid's box, at the distance d from the nearest point of it, the field is √(φ² + d²), which is no steeper.
+The field is φ = f + sgn(c) max(|c| − m, 0). The fine part f is trilinear in the voxels of blocks and is ± the width of
+the band in tiles. The coarse part c is trilinear in the blocks. Wherever f varies, |c| ≤ m: so at every point one part
+varies alone. Each component of a trilinear gradient does not depend on its own coordinate and is linear in each other,
+so its square norm is convex in every coordinate: it is greatest at the corners of a voxel. That gives the exact
+Lipschitz constant L. Outside of the grid's box, at the distance d from the nearest point of it, the field is √(φ² +
+d²), which is no steeper.
 """
 
 from __future__ import annotations
@@ -28,13 +30,15 @@ CORNERS = SIDE + 1
 BLOCK = CORNERS**3
 HEAD = 16
 _TILES = -1.0, -2.0  # what stands for the place of a block that is a tile, outside and inside
-# Numbers of the head: the corner of the grid (3), a voxel's size, blocks along each axis (3), where the coarse values and the
-# places of blocks begin (2), one that is free, the width of the band, m, L, the greatest slope along an axis, 1 / size
+# Numbers of the head: the corner of the grid (3), a voxel's size, blocks along each axis (3), where the coarse values
+# and the places of blocks begin (2), one that is free, the width of the band, m, L, the greatest slope along an axis, 1
+# / size
 
 
 @kernel
 def _trilinear(numbers, at, stride_y, stride_z, s, t, u):
-    """The value and its derivatives by s, t and u in a cell whose corner with the least coordinates is number ``at``."""
+    """The value and its derivatives by s, t and u in a cell whose corner with the least coordinates is number
+    ``at``."""
     a, b = np.float64(numbers[at]), np.float64(numbers[at + 1])
     c, d = np.float64(numbers[at + stride_y]), np.float64(numbers[at + stride_y + 1])
     at += stride_z
@@ -232,7 +236,8 @@ def _cells(at_zeros, numbers, values, low_x, high_x, low_y, high_y, low_z, high_
 
 @kernel
 def grid_bounds(at_zeros, address, voxels, x_low, x_high, y_low, y_high, z_low, z_high):
-    """Bounds of the field and its derivatives in a box; with ``at_zeros``, of the derivatives where the field is zero."""
+    """Bounds of the field and its derivatives in a box; with ``at_zeros``, of the derivatives where the field is
+    zero."""
     numbers, values = doubles_at(address), floats_at(voxels)
     x, y, z = 0.5 * (x_low + x_high), 0.5 * (y_low + y_high), 0.5 * (z_low + z_high)
     hx, hy, hz = 0.5 * (x_high - x_low), 0.5 * (y_high - y_low), 0.5 * (z_high - z_low)
@@ -358,9 +363,10 @@ def grid_tables(
 ) -> tuple[Table, Table]:
     """Tables of a grid whose first voxel is at ``corner`` (3,), with voxels of ``size`` metres.
 
-    ``coarse`` (z + 1, y + 1, x + 1) are distances at the corners of blocks, ``blocks`` (n, 3) the indices x, y and z of blocks with
-    voxels, ``values`` (n, CORNERS, CORNERS, CORNERS) theirs, the last axis x, which agree where blocks touch, and are ``band`` or
-    −``band`` where they touch tiles. A tile has the sign of its corners.
+    ``coarse`` (z + 1, y + 1, x + 1) are distances at the corners of blocks,
+    ``blocks`` (n, 3) the indices x, y and z of blocks with voxels, ``values`` (n, CORNERS, CORNERS, CORNERS) theirs,
+    the last axis x, which agree where blocks touch, and are ``band`` or −``band`` where they touch tiles. A tile has
+    the sign of its corners.
     """
     band = float(np.float32(band))
     values = np.clip(np.asarray(values, np.float32).astype(np.float64), -band, band)

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Signed distance grids of level sets: voxels with signed distances in a narrow band, as OpenVDB's files hold them.
 
-Near the surface the field is that of the voxels. Farther away a file knows no more than the side: there the distance between the
-corners of blocks is that of a chamfer transform (Borgefors 1986), which is as steep as its values say.
+Near the surface the field is that of the voxels. Farther away a file knows no more than the side: there the distance
+between the corners of blocks is that of a chamfer transform (Borgefors 1986), which is as steep as its values say.
 """
 
 from __future__ import annotations

@@ -2,18 +2,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Neural fields: a SIREN, a small network of sines (Sitzmann, Martel, Bergman, Lindell and Wetzstein 2020), as a shape.
 
-h₀ is the point in metres, hₖ = sin ω (Wₖ hₖ₋₁ + bₖ), and the field is W h + b of the last layer. It is negative inside. A file
-``.npz`` holds it:
+h₀ is the point in metres, hₖ = sin ω (Wₖ hₖ₋₁ + bₖ), and the field is W h + b of the last layer. It is negative inside.
+A file ``.npz`` holds it:
 
-- ``weight_0``, ``bias_0``, ``weight_1``, …: floats of the shapes (out, in) and (out,). The first has 3 inputs, the last 1 output.
+- ``weight_0``, ``bias_0``, ``weight_1``, …: floats of the shapes (out, in) and (out,). The first has 3 inputs, the last
+  1 output.
 - ``omega``: ω, one number. Without it, ω is 30.
-- ``low``, ``high``: corners (3,) of the box in metres that the network is good in. Without them, they are −1 and 1. The shape is
-  what is negative in that box.
+- ``low``, ``high``: corners (3,) of the box in metres that the network is good in. Without them, they are −1 and 1. The
+  shape is what is negative in that box.
 
-Bounds over a box go from layer to layer: values in interval arithmetic, derivatives by interval Jacobians, and values again by the
-mean value theorem from these. How far derivatives deviate is bounded three times: by intervals, by the norms of a layer and of its
-rows, and to second order by the curvature at the middle of the box, which is the closest in small boxes. Boxes that are divided
-where the slope is loose give the Lipschitz constant; the product of the norms of all layers bounds it, too.
+Bounds over a box go from layer to layer: values in interval arithmetic, derivatives by interval Jacobians, and values
+again by the mean value theorem from these. How far derivatives deviate is bounded three times: by intervals, by the
+norms of a layer and of its rows, and to second order by the curvature at the middle of the box, which is the closest in
+small boxes. Boxes that are divided where the slope is loose give the Lipschitz constant; the product of the norms of
+all layers bounds it, too.
 """
 
 from __future__ import annotations
@@ -42,7 +44,8 @@ OMEGA = 30.0
 EXAMPLE = pathlib.Path(__file__).with_name("rabbit.npz")
 """A network that ``scripts/fit_network`` made."""
 
-_HEAD = 16  # numbers before the layers: how many are hidden, the Lipschitz constant, the box (6), the greatest slope along an axis
+# numbers before the layers: how many are hidden, the Lipschitz constant, the box (6), the greatest slope along an axis
+_HEAD = 16
 _ROUNDING = 1e-13  # of a layer, relative to the sum of its weights
 _GRADIENT, _CURVATURE = 3 * WIDTH, 6 * WIDTH
 
@@ -151,8 +154,9 @@ def _pair(a, b):
 def network_bounds(address, x_low, x_high, y_low, y_high, z_low, z_high):
     """Bounds of the field and its derivatives in a box.
 
-    With δ the way from its middle, z + J δ is a sum of a layer to first order, and J + H δ its derivatives, H symmetric. What is
-    missing in J + H δ is bounded by ``rest``, all that J changes by ``spread``, of which there is a second bound by intervals alone.
+    With δ the way from its middle, z + J δ is a sum of a layer to first order, and J + H δ its derivatives, H
+    symmetric. What is missing in J + H δ is bounded by ``rest``, all that J changes by ``spread``, of which there is a
+    second bound by intervals alone.
     """
     numbers = doubles_at(address)
     half = 0.5 * (x_high - x_low), 0.5 * (y_high - y_low), 0.5 * (z_high - z_low)
@@ -435,7 +439,8 @@ def _check(found: Siren) -> None:
 
 
 def _table(found: Siren) -> Table:
-    """Numbers of the network, with ω in the weights, inputs before outputs, and neurons without effect up to a multiple of eight."""
+    """Numbers of the network, with ω in the weights, inputs before outputs, and neurons without effect up to a multiple
+    of eight."""
     hidden = len(found.weights) - 1
     head = np.zeros(_HEAD)
     head[0] = hidden

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Outlines: regions of the plane whose edge is made of straight segments, with the exact signed distance.
 
-The sign is that of the nearest segment, which has the inside on its left. Where a corner is nearest, it is that of the one of
-its two segments whose line is farther away (Bærentzen and Aanæs 2005, "Signed distance computation using the angle weighted
-pseudonormal", in the plane).
+The sign is that of the nearest segment, which has the inside on its left. Where a corner is nearest, it is that of the
+one of its two segments whose line is farther away (Bærentzen and Aanæs 2005, "Signed distance computation using the
+angle weighted pseudonormal", in the plane).
 """
 
 from __future__ import annotations
@@ -41,7 +41,8 @@ def _to_box(numbers, node, x, y):
 
 @kernel
 def _nearest(numbers, x, y):
-    """Square of the distance to the nearest segment, the vector from there, and on which side of it the point is (±1)."""
+    """Square of the distance to the nearest segment, the vector from there, and on which side of it the point is
+    (±1)."""
     stack = stack_array(64)
     leaves, segments = int(numbers[0]), int(numbers[1])
     best, best_x, best_y, best_aside, side = math.inf, 0.0, 0.0, 0.0, 1.0
@@ -258,7 +259,8 @@ OUTLINE = TableFunction(
 
 
 def outline_table(segments: np.ndarray) -> Table:
-    """Table of segments (n, 4), x and y of both ends, with the inside on their left. Those without length are left out."""
+    """Table of segments (n, 4), x and y of both ends, with the inside on their left. Those without length are left out.
+    Raises ValueError if none is left."""
     segments = np.asarray(segments, np.float64).reshape(-1, 4)
     lengths = np.hypot(segments[:, 2] - segments[:, 0], segments[:, 3] - segments[:, 1])
     segments, lengths = segments[lengths > 0.0], lengths[lengths > 0.0]
@@ -318,8 +320,8 @@ class Outline(Profile, abstract=True):
 def oriented(loops: Sequence[np.ndarray], nonzero: bool = False) -> np.ndarray:
     """Segments (n, 4) of closed loops (m, 2) each, with the inside on their left.
 
-    Inside is what an odd number of loops is around; if ``nonzero``, what more loops go around to the left than to the right,
-    or the other way. Loops that cross are divided where they do, and what is no edge is left out.
+    Inside is what an odd number of loops is around; if ``nonzero``, what more loops go around to the left than to the
+    right, or the other way. Loops that cross are divided where they do, and what is no edge is left out.
     """
     ends = [np.column_stack([loop, np.roll(loop, -1, axis=0)]) for loop in loops if len(loop) > 2]
     if not ends:

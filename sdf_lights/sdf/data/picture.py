@@ -2,15 +2,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The outline of a picture: where its values, joined linearly, are above a threshold, by marching squares.
 
-Lorensen and Cline 1987, in the plane. So the edge lies between pixels to a part of one, and the distance to it is exact.
+Lorensen and Cline 1987, in the plane. So the edge lies between pixels to a part of one, and the distance to it is
+exact.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-# Of the corners of a cell, from the lower left one against the hands of a clock, those that are inside, as bits; then the edges
-# that segments lead from and to, edge i from corner i to the next, with the inside on their left.
+# Of the corners of a cell, from the lower left one against the hands of a clock, those that are inside, as bits; then
+# the edges that segments lead from and to, edge i from corner i to the next, with the inside on their left.
 _SEGMENTS: dict[int, list[tuple[int, int]]] = {
     1: [(0, 3)],
     2: [(1, 0)],
@@ -45,7 +46,7 @@ def contour(values: np.ndarray, threshold: float) -> np.ndarray:
     case = case[row, column]
 
     def at(rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
-        """Values relative to the threshold; outside, as far below it as 0, and a little at least."""
+        """Values (n,) relative to the threshold; outside, as far below it as 0, and a little at least."""
         within = (rows >= 0) & (rows < height) & (columns >= 0) & (columns < width)
         found = values[np.clip(rows, 0, height - 1), np.clip(columns, 0, width - 1)].astype(np.float64) - threshold
         return np.where(within, found, min(-threshold, -1e-3))
@@ -79,11 +80,13 @@ MOST_SEGMENTS = 1 << 20
 
 
 class PictureError(ValueError):
-    """A picture has no outline; says what it lacks, and the cure, as the rest of a sentence after the picture's name."""
+    """A picture has no outline; says what it lacks, and the cure, as the rest of a sentence after the picture's
+    name."""
 
 
 def outline_of(pixels: np.ndarray, part: str, threshold: float) -> np.ndarray:
-    """Segments (n, 4) in widths of the picture, around its middle, of pixels (height, width, channels), the lowest row first.
+    """Segments (n, 4) in widths of the picture, around its middle, of pixels (height, width, channels), the lowest row
+    first.
 
     ``part``: "opaque", "bright" or "dark". Raises ``PictureError``.
     """

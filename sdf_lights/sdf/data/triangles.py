@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Distance to triangles, and which side of them a point is on, by a tree of boxes.
 
-Sides are told by the generalised winding number (Jacobson, Kavan and Sorkine 2013), which holes, cracks, doubled and crossing
-faces hardly disturb. Far parts of the tree count as dipoles (Barill, Dickson, Schmidt, Levin and Jacobson 2018).
+Sides are told by the generalised winding number (Jacobson, Kavan and Sorkine 2013), which holes, cracks, doubled and
+crossing faces hardly disturb. Far parts of the tree count as dipoles (Barill, Dickson, Schmidt, Levin and Jacobson
+2018).
 """
 
 from __future__ import annotations

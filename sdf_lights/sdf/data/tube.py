@@ -305,6 +305,7 @@ def tube_table(segments: np.ndarray, along: np.ndarray | None = None) -> Table:
     """Table of segments (n, 8): x, y, z and radius of both ends. A segment may be a point, a ball.
 
     ``along`` (n, 2) says how far along its path each end is; without it, the segments are one path.
+    Raises ValueError without a segment.
     """
     segments = np.asarray(segments, np.float64).reshape(-1, 8)
     if not len(segments):

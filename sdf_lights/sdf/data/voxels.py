@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Signed distance grids of meshes: distances to triangles, signs by the winding number, in blocks near the surface.
 
-A mesh with holes has its surface there where the winding number is one half. Distances near it are bounded by those along
-edges of voxels, so that the field does not jump there.
+A mesh with holes has its surface there where the winding number is one half. Distances near it are bounded by those
+along edges of voxels, so that the field does not jump there.
 """
 
 from __future__ import annotations
@@ -37,11 +37,12 @@ class GridError(ValueError):
 
 @kernel(forceinline=True)
 def _reach(turns, distance, closed):
-    """How far from a point, whose nearest face is at a ``distance``, the winding number is as near to the same whole number.
+    """How far from a point, whose nearest face is at a ``distance``, the winding number is as near to the same whole
+    number.
 
-    It is harmonic where no face is, and constant if the mesh is ``closed``. Else what lacks it to a whole number m is at most
-    m (1 + s) / (1 − s)² at s distances from the point (Harnack's inequality), as long as it has one sign there, which
-    neighbours of faces that hardly leak have.
+    It is harmonic where no face is, and constant if the mesh is ``closed``. Else what lacks it to a whole number m is
+    at most m (1 + s) / (1 − s)² at s distances from the point (Harnack's inequality), as long as it has one sign there,
+    which neighbours of faces that hardly leak have.
     """
     if closed:
         return distance
@@ -64,10 +65,12 @@ def _fill(values, known, k, j, i, radius, turns):
 
 @kernel
 def _measure(corners, nodes, dipoles, closed, corner, size, starts, step, band, distances, windings):
-    """Distances and winding numbers (n, m, m, m) at lattices of points ``step`` voxels apart, which begin at ``starts``.
+    """Distances and winding numbers (n, m, m, m) at lattices of points
+    ``step`` voxels apart, which begin at ``starts``.
 
-    Distances above ``band`` need not be exact: they are above it. A winding number counts for all points of the lattice that
-    are closer than ``_reach``, so those far from faces are found first: they are few, and most of the others are near them.
+    Distances above ``band`` need not be exact: they are above it. A winding number counts for all points of the lattice
+    that are closer than ``_reach``, so those far from faces are found first: they are few, and most of the others are
+    near them.
     """
     m, guess, spacing = distances.shape[1], 0, size * step * (1.0 + 1e-9)
     known = np.empty((m, m, m), np.bool_)
@@ -128,7 +131,8 @@ class _Builder:
         self.band = float(np.float32(BAND * size))
 
     def measured(self, starts: np.ndarray, side: int, step: float, most: float) -> tuple[np.ndarray, np.ndarray]:
-        """Distances and winding numbers (n, side, side, side) at lattices that begin at ``starts`` (n, 3), in voxels."""
+        """Distances and winding numbers (n, side, side, side) at lattices that begin at ``starts`` (n, 3), in
+        voxels."""
         mesh = self.mesh
         distances = np.empty((len(starts), side, side, side))
         windings = np.empty_like(distances)
@@ -183,7 +187,7 @@ class _Builder:
         return Grid(*grid_tables(self.corner, self.size, coarse, blocks, joined, self.band))
 
     def coarse(self) -> np.ndarray:
-        """Distances (z, y, x) at all corners of blocks."""
+        """Distances (z, y, x) at all corners of blocks. Raises GridError for too many voxels."""
         counts = self.counts + 1
         if np.prod(counts.astype(float)) > MOST_CORNERS:
             raise GridError("has too many voxels: choose a larger voxel size.")
@@ -193,7 +197,8 @@ class _Builder:
         return _with_signs(distances, windings, ON_A_FACE * self.size).reshape(shape)
 
     def near_enough(self, blocks: np.ndarray) -> np.ndarray:
-        """Those of the blocks to whose middle the surface is near, or whose winding number changes (open meshes)."""
+        """Those of the blocks (n, 3) to whose middle the surface is near, or whose winding number changes (open
+        meshes)."""
         half = 0.5 * math.sqrt(3.0) * SIDE * self.size
         distances, windings = self.measured(SIDE * blocks + SIDE / 2, 1, 1.0, math.inf)
         near = distances.ravel() < self.band + half
@@ -208,7 +213,8 @@ class _Builder:
         return np.clip(_with_signs(distances, windings, ON_A_FACE * self.size), -self.band, self.band)
 
     def missing(self, coarse, blocks, values, kept) -> np.ndarray:
-        """Neighbours of blocks that are tiles, although not all voxels at their face are as far as the band with their sign."""
+        """Neighbours of blocks that are tiles, although not all voxels at their face are as far as the band with their
+        sign."""
         wanted = set()
         for axis in range(3):
             for side in (0, 1):
@@ -224,7 +230,8 @@ class _Builder:
         return np.array(sorted(wanted), np.int64).reshape(-1, 3)
 
     def without_jumps(self, blocks: np.ndarray, values: np.ndarray) -> np.ndarray:
-        """Values whose sign does not change from one voxel to the next faster than by their distance."""
+        """Values (n, CORNERS, CORNERS, CORNERS) whose sign does not change from one voxel to the next faster than by
+        their distance."""
         if self.mesh.closed:
             return values
         check()

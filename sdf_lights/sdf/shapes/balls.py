@@ -18,7 +18,7 @@ from ...graph.formula import Formula, Vector, clamp, length, maximum, minimum, s
 from ..program import Op, combine, primitive
 from . import support
 from .base import LARGEST, Slots, number
-from .cuts import half_space, placed, within_cone
+from .clipping import half_space, placed, within_cone
 from .primitives import Primitive
 
 

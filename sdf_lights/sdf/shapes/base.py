@@ -312,14 +312,16 @@ class Shape(Parametric):
     def terms(self, matrix: np.ndarray, factor: float) -> list[Term]:
         """The field factor · φ(matrix⁻¹ x) in parts that can be left out where they do not matter: see ``Term``.
 
-        The default is for a shape without such parts. ``factor`` is at most the least singular value of ``matrix``.
+        The default is for a shape without such parts. ``factor`` is at most the least singular value of ``matrix`` (4 ×
+        4).
         """
         slots = Slots()
         formula = self.build(undone(matrix, POINT, slots), slots) * slots(factor)
         return [Term(formula, np.array(slots.values), 0, Family.LEAF, 0.0, self.lipschitz)]
 
     def along(self, p: Vector, slot: Slots) -> Formula | None:
-        """How far along its curve, from 0 to 1, the part of the shape is that is nearest to p; None where it has no curve."""
+        """How far along its curve, from 0 to 1, the part of the shape is that is nearest to p; None where it has no
+        curve."""
         return None
 
     # -- what follows from it -------------------------------------------------------------------------------------

@@ -13,7 +13,7 @@ from ...graph.formula import Formula, Vector, length, maximum, power, select
 from ..program import Op, combine, primitive
 from . import support
 from .base import BOUND, Slots, number
-from .cuts import placed
+from .clipping import placed
 from .primitives import Primitive
 from .profiles import Almond
 from .solids import RoundCone

@@ -70,12 +70,14 @@ def images(box, matrices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def images_growth(growth: np.ndarray, matrices: np.ndarray) -> np.ndarray:
-    """``Shape.growth`` of all images of a shape with this ``growth``, with the box of ``images``."""
+    """``Shape.growth`` (3,) of all images, by ``matrices`` (n, 4, 4), of a shape with this ``growth``, with the box of
+    ``images``."""
     return (np.abs(matrices[:, :3, :3]) @ growth).max(axis=0) if np.isfinite(growth).all() else growth
 
 
 def images_program(shape: Shape, places: np.ndarray, matrix: np.ndarray | None) -> np.ndarray:
-    """Program of the union of a shape's images by affine matrices (n, 4, 4), all transformed by ``matrix``."""
+    """Program of the union of a shape's images by affine matrices (n, 4, 4), all transformed by ``matrix``.
+    Raises NoClosedForm for too many images."""
     program = shape.program()
     if len(places) * len(program) > _MOST_ROWS:
         raise NoClosedForm(f"{shape.label()} is copied too often for a closed form.")
@@ -500,7 +502,7 @@ def guarded(shape: Shape) -> Shape:
 
 
 def level_bounds(shape: Shape, level: float, matrix: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """Corners, as in ``bounds``, of a box around {x : φ(x) ≤ level}."""
+    """Corners (3,), as in ``bounds``, of a box around {x : φ(x) ≤ level}."""
     low, high = shape.bounds(matrix)
     if level > 0.0:
         margin = level * shape.growth(matrix)

@@ -20,7 +20,7 @@ from ...graph.formula import Formula, Vector, clamp, length, maximum, minimum, s
 from .. import program
 from ..program import Op, combine, primitive
 from .base import BOUND, EXACT, LARGEST, ShapeError, Slots, number
-from .cuts import half_space, placed, polyhedron
+from .clipping import half_space, placed, polyhedron
 from .operators import balanced
 from .primitives import corner
 from .profiles import Profile

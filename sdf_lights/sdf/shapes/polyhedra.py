@@ -19,7 +19,7 @@ from ...graph.formula import Formula, Vector, clamp, length, maximum, minimum, s
 from ..program import Op, combine, primitive
 from . import support
 from .base import Slots, number
-from .cuts import half_space, placed, polyhedron
+from .clipping import half_space, placed, polyhedron
 from .polygons import Polygonal, Rectangle, RegularPolygon
 from .primitives import Primitive, corner, rhombus_side
 from .reflections import GOLDEN, into_icosahedral_chamber, into_octahedral_chamber, into_tetrahedral_chamber

@@ -20,7 +20,7 @@ from ...graph.formula import Formula, Vector, length, maximum, minimum, select
 from .. import program
 from ..program import Op, combine, primitive
 from .base import BOUND, EXACT, Parametric, Slots, number
-from .cuts import placed
+from .clipping import placed
 from .primitives import corner
 
 PROFILES: dict[str, type["Profile"]] = {}
@@ -60,12 +60,13 @@ class Profile(Parametric):
     def extruded_program(self, matrix: np.ndarray | None, height: float) -> np.ndarray:
         """Closed-form program of the solid with this profile across z, within height/2 of the plane.
 
-        ``matrix`` transforms the solid. Raises ``program.NoClosedForm`` if there is none.
+        ``matrix`` (4 × 4) transforms the solid. Raises ``program.NoClosedForm`` if there is none.
         """
         raise program.NoClosedForm(f"An extruded {self.label().lower()} has no closed form for its ray intervals.")
 
     def revolved_program(self, matrix: np.ndarray | None, offset: float) -> np.ndarray:
-        """As ``extruded_program``, for the solid of revolution: x + offset is the distance from the axis, y is z."""
+        """As ``extruded_program``, for the solid of revolution: x + offset is the distance from the axis, y is z.
+        Raises ``program.NoClosedForm`` if there is none."""
         raise program.NoClosedForm(f"A revolved {self.label().lower()} has no closed form for its ray intervals.")
 
     def least_x(self) -> float:

@@ -65,7 +65,8 @@ class Repeated(Operator, abstract=True):
     """A union of copies of the child."""
 
     def _copies(self, p: Vector, slot: Slots) -> tuple[Formula, tuple, Callable, Callable]:
-        """For ``_least``: how many copies may be the nearest to p, the first state, p in the copy of a state, the next state."""
+        """For ``_least``: how many copies may be the nearest to p, the first state, p in the copy of a state, the next
+        state."""
         raise NotImplementedError
 
     def along(self, p, slot):

@@ -15,7 +15,7 @@ from ..program import NoClosedForm, Op, combine, primitive
 from . import support
 from .balls import circular_sector
 from .base import LARGEST, SMALLEST, Slots, number
-from .cuts import half_space, placed, sector
+from .clipping import half_space, placed, sector
 from .primitives import Box, Primitive, corner, rhombus_side
 
 _ENDLESS = 1e15  # metres that replace infinity if a closed form needs a length

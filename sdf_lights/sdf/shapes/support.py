@@ -30,22 +30,22 @@ def of_points(directions: np.ndarray, points) -> np.ndarray:
 
 
 def of_ball(directions: np.ndarray, radius: float) -> np.ndarray:
-    """Support of a ball around the origin."""
+    """Support (n,), in directions (n, 3), of a ball around the origin."""
     return radius * np.linalg.norm(directions, axis=1)
 
 
 def of_segment(directions: np.ndarray, half_length: float) -> np.ndarray:
-    """Support of the part of the z axis within ``half_length`` of the origin."""
+    """Support (n,), in directions (n, 3), of the part of the z axis within ``half_length`` of the origin."""
     return half_length * np.abs(directions[:, 2])
 
 
 def of_disk(directions: np.ndarray, radius: float) -> np.ndarray:
-    """Support of a disk in the xy plane, around the origin."""
+    """Support (n,), in directions (n, 3), of a disk in the xy plane, around the origin."""
     return radius * np.hypot(directions[:, 0], directions[:, 1])
 
 
 def of_cap(directions: np.ndarray, radius: float, height: float) -> np.ndarray:
-    """Support of the part above z = ``height`` of a sphere around the origin."""
+    """Support (n,), in directions (n, 3), of the part above z = ``height`` of a sphere around the origin."""
     length = np.linalg.norm(directions, axis=1)
     rim = of_disk(directions, np.sqrt(max(radius**2 - height**2, 0.0))) + height * directions[:, 2]
     return np.where(directions[:, 2] * radius >= height * length, radius * length, rim)

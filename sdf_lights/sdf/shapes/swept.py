@@ -13,7 +13,7 @@ from ...graph.formula import Formula, Vector, length, maximum, minimum, select
 from ..program import NoClosedForm, Op, combine
 from . import support
 from .base import BOUND, Shape, ShapeError, Slots, number, part
-from .cuts import sector
+from .clipping import sector
 from .polygons import Plus, Star
 from .primitives import Primitive, corner
 from .profiles import HeartOutline, Moon, Profile

@@ -17,7 +17,7 @@ from ...graph.formula import Formula, Vector, clamp, length, maximum, minimum, s
 from ..program import Op, combine, primitive
 from . import support
 from .base import BOUND, EXACT, LARGEST, Slots, number
-from .cuts import placed, sector
+from .clipping import placed, sector
 from .primitives import Primitive
 
 _TINY = 1e-300  # keeps a possible zero away from 0

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Emission that varies: its integral over volumes and along rays against closed forms, the power far away, its cells."""
+"""Emission that varies: its integral over volumes and along rays against closed forms, the power far away, its
+cells."""
 
 import math
 

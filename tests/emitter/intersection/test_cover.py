@@ -54,7 +54,8 @@ def covered(formula, end, fall, rise=None, start=0.0, pieces=1, d=(1.0, 0.0, 0.0
 
 
 def hats(roots):
-    """A field along x with slopes of ±1 or ∓1 that is zero at an even number of sorted roots, negative between pairs."""
+    """A field along x with slopes of ±1 or ∓1 that is zero at an even number of sorted roots, negative between
+    pairs."""
     distances = [maximum(a - POINT.x, POINT.x - b) for a, b in zip(roots[::2], roots[1::2])]
     return minimum(*distances)
 

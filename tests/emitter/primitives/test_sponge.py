@@ -84,7 +84,8 @@ def test_intervals_are_those_between_planes(levels):
         for o, d in random_rays(rng, half_size, 300):
             found, expected = spans_of(o, d, half_size, levels)
             assert found.shape == expected.shape
-            # A coordinate that hardly changes is known to 1e-16 of the size, so its crossings with planes are not known.
+            # A coordinate that hardly changes is known to 1e-16 of the size, so its crossings with planes are not
+            # known.
             slow = np.abs(d[d != 0.0]).min() < 1e-3 * np.abs(d).max()
             assert np.allclose(
                 found, expected, rtol=0.0, atol=(1e-6 if slow else 1e-12) * half_size / np.linalg.norm(d)

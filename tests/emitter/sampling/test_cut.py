@@ -183,7 +183,8 @@ def test_directions_have_their_density(lamp, shape, point):
 @pytest.mark.parametrize("point", POINTS)
 @pytest.mark.parametrize("shape", SHAPES)
 def test_unbiased(lamp, shape, point):
-    """The same irradiance as cosine sampling gives, within 4.5 standard errors: one in 5,000 of all 28 cases together."""
+    """The same irradiance as cosine sampling gives, within 4.5 standard errors: one in 5,000 of all 28 cases
+    together."""
     block, (x, n) = lamp(SHAPES[shape]), POINTS[point]
     found = baselines.run(Technique.CUT, block.blocks, 0, x, unit(n), 40_000, 7)
     expected = baselines.run(Technique.COSINE, block.blocks, 0, x, unit(n), 400_000, 8)

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Points that stand for rays towards a lamp: what they give is what its rays give, with less noise where emission varies."""
+"""Points that stand for rays towards a lamp: what they give is what its rays give, with less noise where emission
+varies."""
 
 import math
 

@@ -21,7 +21,8 @@ RAYS = 120
 
 
 def check(shape, rays, count):
-    """Every crossing of a shape is found, as it is and with its closed forms hidden; returns the evaluations per ray."""
+    """Every crossing of a shape is found, as it is and with its closed forms hidden; returns the evaluations per
+    ray."""
     origins, directions = rays(shape, np.random.default_rng(5), count)
     truth = oracle.find(shape, origins, directions)
     assert truth.counts.any()

@@ -13,7 +13,7 @@ import pytest
 
 from sdf_lights import jit, kernel_cache
 from sdf_lights.interruption import Interrupted
-from sdf_lights.render.cpu import ahead, background, priority
+from sdf_lights.render.cpu import background, precompile, priority
 
 on_linux = pytest.mark.skipif(sys.platform != "linux", reason="Linux alone tells how a process is scheduled")
 
@@ -33,7 +33,7 @@ for group in groups:
 
 @pytest.fixture
 def package(tmp_path, monkeypatch):
-    """A function that makes a package whose ``ahead`` ends each group with a line of Python."""
+    """A function that makes a package whose ``precompile`` ends each group with a line of Python."""
     monkeypatch.setattr(kernel_cache, "writable_folder", lambda: tmp_path)
     monkeypatch.setattr(kernel_cache, "cache_folder", lambda: tmp_path)
     monkeypatch.setattr(background, "PACKAGE", tmp_path / "stand_in")
@@ -41,7 +41,7 @@ def package(tmp_path, monkeypatch):
     def make(ending: str = "pass") -> None:
         folder = tmp_path / "stand_in" / "render" / "cpu"
         folder.mkdir(parents=True)
-        (folder / "ahead.py").write_text(MODULE.format(ending=ending), encoding="utf-8")
+        (folder / "precompile.py").write_text(MODULE.format(ending=ending), encoding="utf-8")
 
     yield make
     background.stop()
@@ -105,7 +105,7 @@ def test_what_a_render_waits_for_is_as_urgent_as_the_session(package):
     """And no longer than that, if the system allows it."""
     package("time.sleep(1)")
     own, seen = os.sched_getscheduler(0), []
-    background.start(processes=(("paths", "parts"),))
+    background.start(processes=(("paths", "special"),))
     assert schedulers() == {os.SCHED_IDLE}
     allowed = priority.restore(background._processes[0]._process.pid)
     priority.lower(background._processes[0]._process.pid)
@@ -148,11 +148,12 @@ def test_a_starved_process_that_may_not_be_raised_is_replaced(package, ordinary,
 
 @pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is missing")
 def test_what_an_entry_calls_is_counted():
-    """The kernels that Numba compiles for an entry, but for a few that it finds it does not need, are those that are counted."""
+    """The kernels that Numba compiles for an entry, but for a few that it finds it does not need, are those that are
+    counted."""
     from sdf_lights.emitter.primitives.box import box_span
 
     assert jit.reachable(box_span) > {box_span}
-    for group in ahead.GROUPS.values():
+    for group in precompile.GROUPS.values():
         entries, _ = group()
         done, total = jit.progress(entries)
         assert 0 <= done <= total and total >= len(entries)
@@ -163,7 +164,7 @@ def test_what_an_entry_calls_is_counted():
 def test_the_process_ends_with_its_session(tmp_path):
     """Whose end it sees by that of its standard input."""
     done = subprocess.run(
-        [sys.executable, "-m", "sdf_lights.render.cpu.ahead", "--beside", "paths"],
+        [sys.executable, "-m", "sdf_lights.render.cpu.precompile", "--beside", "paths"],
         cwd=REPOSITORY,
         env={**os.environ, "SDF_LIGHTS_CACHE": str(tmp_path)},
         stdin=subprocess.DEVNULL,

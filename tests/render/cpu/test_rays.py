@@ -143,7 +143,8 @@ def _resident() -> float:
 
 
 def test_what_is_kept_gives_the_same_hits():
-    """The next render of the same things has all of it; where something has moved, meshes that are shared keep theirs."""
+    """The next render of the same things has all of it; where something has moved, meshes that are shared keep
+    theirs."""
     shared, alone, kept = scenes.sphere(columns=14, rows=8), scenes.sphere(columns=10, rows=6), {}
     origins, directions = random_rays(2000)
 

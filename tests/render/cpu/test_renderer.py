@@ -71,8 +71,8 @@ def test_baked_and_instanced_meshes_give_one_picture():
         for instance in list(scene.instances):
             scene.instances.append(Instance(instance.mesh, instance.matrix, instance.materials, visibility=Ray(0)))
 
-    # A few samples that differ change into how many branches other paths divide, if that is left to the renderer, and which
-    # tree light paths have.
+    # A few samples that differ change into how many branches other paths divide, if that is left to the renderer, and
+    # which tree light paths have.
     _, baked = render(samples=16, guided_samples=False, indirect_paths=4, lamp_paths=LampPaths.NEVER)
     _, shared = render(samples=16, guided_samples=False, indirect_paths=4, lamp_paths=LampPaths.NEVER, change=twice)
     a, b = baked.read("Combined"), shared.read("Combined")
@@ -221,7 +221,8 @@ def test_a_lamp_that_takes_long_to_build_is_told_of_and_can_be_cancelled():
 
 
 def test_triangles_glow_beside_lights_with_nodes():
-    """Light adds up: that of a light with nodes, and that of an emissive mesh, whose triangles have no nodes of lights."""
+    """Light adds up: that of a light with nodes, and that of an emissive mesh, whose triangles have no nodes of
+    lights."""
 
     def mean(lit: bool, glows: bool) -> float:
         scene = scenes.room(32, 24, max_bounces=0, samples=64)

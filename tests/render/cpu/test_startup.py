@@ -111,7 +111,8 @@ print(film.read("Combined").tobytes().hex(), scene.warnings, "numba" in sys.modu
 @pytest.mark.slow  # compiles the path tracer for each way to load it
 @pytest.mark.skipif(not machine_code.AVAILABLE, reason="LLVM loads all code on this platform")
 def test_a_render_with_code_that_llvm_loads_is_the_same(tmp_path):
-    """As on Windows and macOS: kernels, formulas and lamps with trees, compiled and from disk. The files hold object files."""
+    """As on Windows and macOS: kernels, formulas and lamps with trees, compiled and from disk. The files hold object
+    files."""
     pictures = []
     for available in (True, False):
         code, cache = RENDER.format(available=available), tmp_path / str(available)

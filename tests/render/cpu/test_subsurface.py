@@ -11,20 +11,8 @@ from sdf_lights.render import session
 from sdf_lights.render.kernels.subsurface import disk, walk
 from sdf_lights.render.material import Material, Node
 from sdf_lights.render.reference.subsurface import medium
-from sdf_lights.render.scene import Scene, World
-from support.scenes import (
-    Instance,
-    box,
-    camera,
-    diffuse,
-    material,
-    rotation,
-    scaling,
-    settings,
-    sphere,
-    torus_lamp,
-    translation,
-)
+from sdf_lights.render.scene import Instance, Scene, World
+from support.scenes import box, camera, diffuse, material, rotation, scaling, settings, sphere, torus_lamp, translation
 
 COLOR = (0.7, 0.5, 0.3)
 
@@ -60,8 +48,8 @@ def reflected(albedo: float) -> float:
 
 @pytest.mark.parametrize(("method", "scale"), [("RANDOM_WALK", 0.002), ("RANDOM_WALK_LEGACY", 0.02)])
 def test_a_walk_reflects_what_a_half_space_does(method, scale):
-    """Of a thick body in a white world, whose boundary is smooth: light goes straight down. Walks of more steps than there may
-    be hold next to nothing at these albedos."""
+    """Of a thick body in a white world, whose boundary is smooth: light goes straight down. Walks of more steps than
+    there may be hold next to nothing at these albedos."""
     scene = stage(method, scale)
     scene.materials[0].surface.inputs["roughness"] = 0.0
     scene.settings.samples = 1024
@@ -115,8 +103,8 @@ def test_an_instance_is_as_a_mesh_of_its_own():
 
 @pytest.mark.parametrize("method", ["RANDOM_WALK", "BURLEY"])
 def test_branches_change_the_noise_alone(method):
-    """Under a gloss paths divide at the entry, and by themselves at the exit: means of 12 renders each agree within 4 standard
-    errors, also where a lamp is sampled by its cut at either."""
+    """Under a gloss paths divide at the entry, and by themselves at the exit: means of 12 renders each agree within 4
+    standard errors, also where a lamp is sampled by its cut at either."""
 
     def pictures(branches: int, gloss: float) -> np.ndarray:
         found = []

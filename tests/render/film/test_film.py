@@ -287,7 +287,7 @@ def test_denoised_picture_replaces_combined_only():
 
 
 def test_reference_adds_the_same():
-    from sdf_lights.render.reference.integrator import Samples
+    from sdf_lights.render.reference.paths import Samples
     from sdf_lights.render.reference.renderer import ReferenceRenderer
 
     films = [new_film(), new_film()]

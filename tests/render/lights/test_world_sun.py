@@ -22,7 +22,7 @@ def world_map(sky=SKY, rows=64):
     picture = sky_map(sky, 2 * rows, rows).mean(axis=2)
     disc = sun_of(sky)
     points = Disc(disc.direction, disc.half_angle)
-    return points.apart(picture, float(radiance(sky, points.points()).mean()))
+    return points.separate(picture, float(radiance(sky, points.points()).mean()))
 
 
 def packed(found):
@@ -76,13 +76,13 @@ def test_cells_in_the_disc_have_what_is_around_it():
     values = np.ones((32, 64), np.float32)
     disc = Disc(np.array([1.0, 0.0, 0.0]), 0.3)
     values[15:17, 31:33] = 1000.0
-    found = disc.apart(values, 5.0)
+    found = disc.separate(values, 5.0)
     assert (found.values == 1.0).all() and found.sun_radiance == 5.0
     assert found.mean == pytest.approx(1.0 + 0.5 * (1.0 - math.cos(0.3)) * 5.0, rel=1e-6)
 
 
 def test_a_sun_that_gives_nothing_takes_no_samples():
-    found = Disc(np.array([0.0, 0.0, 1.0]), 0.1).apart(np.ones((8, 16), np.float32), 0.0)
+    found = Disc(np.array([0.0, 0.0, 1.0]), 0.1).separate(np.ones((8, 16), np.float32), 0.0)
     assert found.sun is None and found.sun_share == 0.0
     assert WorldMap(found.values).mean == pytest.approx(1.0)
 

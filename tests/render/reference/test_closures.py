@@ -5,6 +5,7 @@
 import numpy as np
 import pytest
 
+from sdf_lights.render.reference.albedo_tables import Table, cosine_axis, ior_axis
 from sdf_lights.render.reference.closures import (
     DIELECTRIC,
     F82,
@@ -16,7 +17,6 @@ from sdf_lights.render.reference.closures import (
     Translucent,
     dielectric,
 )
-from sdf_lights.render.reference.material_lobes import Table, cosine_axis, ior_axis
 from sdf_lights.render.reference.vectors import normalize
 from support.chi2 import chi2_sphere
 

@@ -170,8 +170,8 @@ def test_more_emitters_than_are_sampled_at_a_vertex():
 
 
 def test_a_lamp_hidden_from_some_scattered_rays_still_lights_by_sampling():
-    """Hidden from glossy rays it gives a diffuse floor the same direct light, and the camera sees none of it; hidden from
-    diffuse ones it gives none."""
+    """Hidden from glossy rays it gives a diffuse floor the same direct light, and the camera sees none of it; hidden
+    from diffuse ones it gives none."""
 
     def picture(visibility):
         matrix = scenes.translation(0, 0.5, 1.5)

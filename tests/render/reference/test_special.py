@@ -137,8 +137,9 @@ def test_the_reference_draws_what_it_evaluates(name):
     ],
 )
 def test_huangs_fiber_scatters_as_a_ray_that_is_followed_through_it(inputs):
-    """The kernels integrate over the fiber; the reference follows single rays. Where light rays are not cut, means of functions of
-    directions are the same, within their errors and 2 %: mesonormals that scales tilt are treated differently by both."""
+    """The kernels integrate over the fiber; the reference follows single rays. Where light rays are not cut, means of
+    functions of directions are the same, within their errors and 2 %: mesonormals that scales tilt are treated
+    differently by both."""
     node, count = hair("HUANG", **inputs), 60_000
     materials, points = reference(node, count)
     ((_, (lobe,)),) = materials.shade(points, np.zeros(count)).groups

@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Cycles renders a sphere of each material: ``python render_spheres.py CASES.json RESULT.json``.
 
-A case is [shader node type, {input or property: value}, light]; the result of each is the mean RGB of the sphere's disk. The light
-is null for a white world, or the direction towards a sun of strength π, whose light is seen after one reflection.
+A case is [shader node type, {input or property: value}, light]; the result of each is the mean RGB of the sphere's
+disk. The light is null for a white world, or the direction towards a sun of strength π, whose light is seen after one
+reflection.
 """
 
 import json

@@ -183,6 +183,7 @@ class Surface:
         return np.sum(value / np.where(pdf > 0.0, pdf, np.inf)[:, None], axis=0) / 2**power
 
     def sphere(self, count=200_000, seed=1, light=None):
-        """Mean radiance of a sphere's disk in a white world, or lit by a sun of strength π in the direction ``light``, once."""
+        """Mean radiance of a sphere's disk in a white world, or lit by a sun of strength π in the direction ``light``,
+        once."""
         wi = (0.0, 0.0, 0.0) if light is None else tuple(float(x) for x in np.divide(light, np.linalg.norm(light)))
         return np.array(_sphere(self.block, self.workspace, count, seed, wi))

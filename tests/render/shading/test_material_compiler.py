@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sdf_lights.graph.formula import CALL, order
-from sdf_lights.render.kernels.shading import material_compiler
+from sdf_lights.render.kernels.shading import material_compiler, material_records
 from sdf_lights.render.kernels.shading.records import (
     CLOSURES,
     HAS_EMISSION,
@@ -41,7 +41,7 @@ def textured(node, *images):
 def roots(surface, shadow=False):
     """Formulas that fill the registers."""
     graph = surface.record["shadow_graph" if shadow else "graph"]
-    return () if graph == material_compiler.NO_GRAPH else surface.graphs.structures[graph]
+    return () if graph == material_records.NO_GRAPH else surface.graphs.structures[graph]
 
 
 def calls(surface, shadow=False):
@@ -85,7 +85,7 @@ def test_a_closure_reached_twice_is_one_lobe():
     both = Node("add_closure", {"a": mix(0.5, shared, None), "b": mix(ALPHA, None, shared)})
     surface = textured(both)
     surface.shade(0.5)
-    assert lobes(surface) == [material_compiler.LOBE_DIFFUSE]
+    assert lobes(surface) == [material_records.LOBE_DIFFUSE]
     assert surface.closures["weight"][0] == pytest.approx(np.multiply(RED, 0.5 + 0.25))
 
 
@@ -115,7 +115,7 @@ def test_shadow_rays_run_only_what_transparency_needs():
     node = Node("principled", {"base_color": COLOR, "roughness": GRAPH.image(1).x, "alpha": ALPHA})
     surface = textured(node, HALF, HALF)
     assert calls(surface, shadow=True) == ["image"] and len(calls(surface)) == 2
-    assert lobes(surface, shadow=True) == [material_compiler.LOBE_ALPHA]
+    assert lobes(surface, shadow=True) == [material_records.LOBE_ALPHA]
     assert surface.transparency() == pytest.approx(0.75)
     glass = Surface(mix(0.5, Node("transparent", {"color": RED}), Node("glass")))
     assert glass.transparency() == pytest.approx(np.multiply(RED, 0.5))

@@ -6,12 +6,13 @@ A kernel is written once. It may contain what Numba's kernels of this project co
 tables, calls of other kernels, ``if``, ``while`` and ``for … in range``. Types are inferred from the arguments of a
 call. Each combination of types gives one GLSL function, named after its module and itself.
 
-- float64 becomes float, all integers become int, but uint32 uint, and uint64 two of them; a tuple of two to four floats becomes a vector, any other
-  tuple a structure.
+- float64 becomes float, all integers become int, but uint32 uint, and uint64 two of them; a tuple of two to four floats
+  becomes a vector, any other tuple a structure.
 - The block and the workspace are no arguments. A record of a table of the block is the int at which it begins in the
   buffer ``words``; tables of the workspace are global variables.
-- Values of small integer fields are known from the scene's own tables (``Tables.values``): a comparison that can have one
-  outcome only is decided here, so a program holds no code for kinds of lights, lobes or shapes that the scene lacks.
+- Values of small integer fields are known from the scene's own tables (``Tables.values``): a comparison that can have
+  one outcome only is decided here, so a program holds no code for kinds of lights, lobes or shapes that the scene
+  lacks.
 
 - An array of a kernel's module is read from the buffer where it is one of the scene's tables (``Tables.constant``).
 

@@ -147,7 +147,7 @@ def constant_text(number, kind: str) -> str:
 
 
 def join(a, b):
-    """The type that holds values of both."""
+    """The type that holds values of both. Raises Untranslatable if there is none."""
     if a == b:
         return a
     if a in SCALARS and b in SCALARS:

@@ -2,15 +2,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Connections from a surface to vertices of light paths, and what they leave to paths.
 
-Light that a place y scatters diffusely to a point x, which scatters it diffusely, is estimated twice. Strategy 1 connects x with vertices
-of light paths; all earlier bounces are in these. Strategy 2 is the path, whose ray from x meets y. Their weights w₁ and
-w₂ = 1 − w₁ are functions of x and y alone, so any are right:
+Light that a place y scatters diffusely to a point x, which scatters it diffusely, is estimated twice. Strategy 1
+connects x with vertices of light paths; all earlier bounces are in these. Strategy 2 is the path, whose ray from x
+meets y. Their weights w₁ and w₂ = 1 − w₁ are functions of x and y alone, so any are right:
 
     w₁ = min(1, α/β),   α = n₁ p(y|x),   β = RELIEF · n₂ · cos_x cos_y / (π d²).
 
-p is an estimate of the density of strategy 1 at y, and β that of strategy 2. A connection is worth as much as RELIEF rays, which
-need light rays and more bounces at y. As w₁ falls with d², no connection is bright because it is short (Kollig and Keller 2004,
-"Illumination in the presence of weak singularities").
+p is an estimate of the density of strategy 1 at y, and β that of strategy 2. A connection is worth as much as RELIEF
+rays, which need light rays and more bounces at y. As w₁ falls with d², no connection is bright because it is short
+(Kollig and Keller 2004, "Illumination in the presence of weak singularities").
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ import numpy as np
 from ....jit import kernel
 from ....vec import ZERO, average, dot, length, madd, mul, negate, normalize, put, scale, sub, transform_normal, vec
 from .. import lights
-from ..departure import spawn_ray
 from ..geometry import TRIANGLES, hit_material, instance_at, instance_table, surface_at
 from ..path import BEYOND, NOWHERE, WHITE, contribute, path_table
+from ..ray_origins import spawn_ray
 from ..rays import hit_instance, hit_normal, ray_table
 from ..samplers import get_1d, get_2d
 from ..shading import evaluate, shade
@@ -50,7 +50,8 @@ CONNECTION_SETS, KIND_SETS, WEIGH_SETS = 1 << 25, 1 << 26, 1 << 27  # of random 
 
 @kernel
 def weight(block, workspace, x, n, y, normal, wi, distance):
-    """w₁ for the light that y, with the geometric ``normal`` on the side of x, scatters to x with the shading normal n."""
+    """w₁ for the light that y, with the geometric ``normal`` on the side of x, scatters to x with the shading normal
+    n."""
     cosine_x, cosine_y = dot(n, wi), -dot(normal, wi)
     if cosine_x <= 0.0 or cosine_y <= 0.0:
         return 0.0
@@ -79,8 +80,8 @@ def connect(block, workspace, _):
 
 @kernel
 def _reaches(block, path, vertex, here, there):
-    """Whether a path from the camera would have come from here to the light beyond the vertex, by its limits: ``here`` and
-    ``there`` are 1 where it would have counted the bounce at either end as glossy, 0 as diffuse."""
+    """Whether a path from the camera would have come from here to the light beyond the vertex, by its limits:
+    ``here`` and ``there`` are 1 where it would have counted the bounce at either end as glossy, 0 as diffuse."""
     glossy, diffuse = here, 1 - here
     if vertex.scatters > 1:  # how light rays are scattered does not count
         glossy, diffuse = glossy + there, diffuse + 1 - there
@@ -149,8 +150,8 @@ def _connect_with(block, workspace, x, n, vertex, factor, kinds):
 
 @kernel
 def take(block, workspace, x, y, z):
-    """Note what part of the light from the direction (x, y, z) connections estimate, once the path's surface has scattered
-    that: ``share_taken`` of what closures scatter that light paths ``follow`` there."""
+    """Note what part of the light from the direction (x, y, z) connections estimate, once the path's surface has
+    scattered that: ``share_taken`` of what closures scatter that light paths ``follow`` there."""
     path, wi = path_table(workspace)[0], (x, y, z)
     if path.follow & FOLLOW_ALL:
         put(path.taken, vec(path.share_taken))
@@ -167,8 +168,8 @@ def take(block, workspace, x, y, z):
 
 @kernel
 def foresee(block, workspace, _):
-    """The part of the light from where the path's ray has met a surface that connections leave to it, as far as known before
-    that is shaded."""
+    """The part of the light from where the path's ray has met a surface that connections leave to it, as far as known
+    before that is shaded."""
     path, ray = path_table(workspace)[0], ray_table(workspace)[0]
     instance = instance_at(block, hit_instance(ray))
     if block.light_path_roulette >= 1.0 or instance.primitive != TRIANGLES:
@@ -188,9 +189,9 @@ def foresee(block, workspace, _):
 def weigh(block, workspace, _):
     """Leave to connections what they find of the light that the surface of the workspace scatters. 0 if the path ends.
 
-    They find w₁ of what is scattered diffusely where the ray from x arrives, and later what light paths follow. The path
-    ends with the chance that this leaves over, but where other light may come that way. Closures are drawn as often as before: limits
-    of bounces depend on what is drawn.
+    They find w₁ of what is scattered diffusely where the ray from x arrives, and later what light paths follow. The
+    path ends with the chance that this leaves over, but where other light may come that way. Closures are drawn as
+    often as before: limits of bounces depend on what is drawn.
     """
     path, surface, closures = path_table(workspace)[0], surface_table(workspace)[0], closure_table(workspace)
     triangle = instance_table(block)[surface.instance].primitive == TRIANGLES

@@ -8,8 +8,9 @@ import numpy as np
 
 from ....jit import table
 
-# Where a light path has met a surface that scatters some light diffusely. ``wi`` is the way back to where the light came
-# from, ``normal`` the geometric normal on that side, and ``flux`` the power (RGB, W) that arrives.
+# Where a light path has met a surface that scatters some light diffusely.
+# ``wi`` is the way back to where the light came from, ``normal`` the geometric normal on that side, and ``flux`` the
+# power (RGB, W) that arrives.
 VERTEX = np.dtype(
     [
         ("position", "f8", 3),
@@ -54,8 +55,8 @@ NODE = np.dtype(
 )
 
 MOST_TOPS = 32
-# Of a material: connections find light that it scatters diffusely; it scatters no other light; light paths follow what it
-# scatters diffusely, and by all closures.
+# Of a material: connections find light that it scatters diffusely; it scatters no other light; light paths follow what
+# it scatters diffusely, and by all closures.
 CONNECTS, ONLY_DIFFUSE, FOLLOW_DIFFUSE, FOLLOW_ALL = 1, 2, 4, 8
 # What a point expects of each top node.
 CHOICE = np.dtype([("total", "f8"), ("count", "i8"), ("weight", "f8", MOST_TOPS)], align=True)

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Light paths: from points of lamps on, by emission, with a vertex wherever a surface scatters some light diffusely.
 
-A path carries flux. A surface scatters it by the BSDF that a path from the camera would meet, so a surface is shaded once more
-for the direction that was drawn, with the light where that came from (Veach 1997, section 5.3: adjoint BSDFs). With E = f · |cos| of
-the way back,
+A path carries flux. A surface scatters it by the BSDF that a path from the camera would meet, so a surface is shaded
+once more for the direction that was drawn, with the light where that came from (Veach 1997, section 5.3: adjoint
+BSDFs). With E = f · |cos| of the way back,
 
     flux' = flux · E(ω', ω) |ng · ω'| / (|ng · ω| p(ω')).
 """
@@ -21,8 +21,8 @@ from ....emitter.sampling.cut_points import uniform_intensity
 from ....jit import kernel
 from ....vec import ZERO, add, average, dot, largest, length, madd, mul, negate, put, scale, sub, vec
 from ..camera import camera_ray
-from ..departure import clear_self_primitive, offset_ray_origin, spawn_ray
 from ..geometry import TRIANGLES, find_surface, instance_table, surface_at, surface_table
+from ..ray_origins import clear_self_primitive, offset_ray_origin, spawn_ray
 from ..rays import SHADOW_OPAQUE, beyond, hit_instance, intersect, occluded, ray_table, start_anew
 from ..samplers import get_2d, get_3d, get_4d, pixel_seed
 from ..shading import evaluate, sample, shade
@@ -78,8 +78,8 @@ def _start(block, index, total, seed):
 
 @kernel
 def _mirrored(workspace, wi):
-    """What singular closures scatter from wi to the surface's wo, the chance with which they are drawn, and the ratio of
-    the solid angle at wo to that at wi, by the cosines there."""
+    """What singular closures scatter from wi to the surface's wo, the chance with which they are drawn, and the ratio
+    of the solid angle at wo to that at wi, by the cosines there."""
     surface, closures = surface_table(workspace)[0], closure_table(workspace)
     wo, total, chance, ratio = vec(surface.wo), ZERO, 0.0, 1.0
     for index in range(surface.closure_count):
@@ -110,8 +110,9 @@ def _mirrored(workspace, wi):
 
 @kernel
 def _scattered(block, workspace, wi, kind, pdf):
-    """Factor of the flux that came from wi and left along the wo of the workspace's surface, which was drawn with ``pdf``;
-    and the chance that a path from the camera, which scatters from wo to wi, counts this as glossy, not as diffuse."""
+    """Factor of the flux that came from wi and left along the wo of the workspace's surface, which was drawn with
+    ``pdf``; and the chance that a path from the camera, which scatters from wo to wi, counts this as glossy, not as
+    diffuse."""
     surface = surface_table(workspace)[0]
     if kind & TRANSPARENT:
         return scale(vec(surface.transparency), 1.0 / pdf), 0.0
@@ -137,7 +138,8 @@ def _diffuse(workspace):
 
 @kernel
 def _trace(block, workspace, index, total, seed, raw, first, width):
-    """Follow one light path, and write its vertices into ``raw`` from ``first`` on, ``width`` at most; returns how many."""
+    """Follow one light path, and write its vertices into ``raw`` from ``first`` on, ``width`` at most; returns how
+    many."""
     surface, secondary = surface_table(workspace)[0], secondary_table(workspace)[0]
     emitter, origin, direction, flux = _start(block, index, total, seed)
     if emitter < 0:
@@ -221,7 +223,8 @@ def _trace(block, workspace, index, total, seed, raw, first, width):
 
 @kernel
 def trace_light_paths(block, workspace, first, last, total, number, width, raw, lengths):
-    """Trace the light paths ``first`` to before ``last`` of ``total``, of pass ``number``, into ``width`` rows of ``raw`` each."""
+    """Trace the light paths
+    ``first`` to before ``last`` of ``total``, of pass ``number``, into ``width`` rows of ``raw`` each."""
     scene, scratch = block[0], workspace[0]
     seed = pixel_seed(PLACE + number, PLACE, scene.seed)
     for index in range(first, last):
@@ -230,7 +233,8 @@ def trace_light_paths(block, workspace, first, last, total, number, width, raw, 
 
 @kernel
 def find_pilots(block, workspace, width, height, places):
-    """Fill ``places`` (count, 3) with what rays of the camera through even points of the picture meet; returns how many."""
+    """Fill ``places`` (count, 3) with what rays of the camera through even points of the picture meet; returns how
+    many."""
     scene, scratch, found = block[0], workspace[0], 0
     clear_self_primitive(ray_table(scratch)[0])
     for index in range(len(places)):
@@ -247,7 +251,8 @@ def find_pilots(block, workspace, width, height, places):
 
 @kernel
 def dim_unseen(block, workspace, vertices, pilots):
-    """Lower the importance of vertices that none or few of the ``pilots`` (count, 3) see: choices count on what is left."""
+    """Lower the importance of vertices that none or few of the ``pilots`` (count, 3) see: choices count on what is
+    left."""
     scene, scratch = block[0], workspace[0]
     clear_self_primitive(ray_table(scratch)[0])
     for index in range(len(vertices)):

@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The tree over vertices of light paths: how it is built, how a point chooses a node, and how densely that samples a place.
+"""The tree over vertices of light paths: how it is built, how a point chooses a node, and how densely that samples a
+place.
 
-The tree is a partition of all places and normals, made from light paths of its own. So the density that it gives a place
-does not depend on the vertices that a pass has there.
+The tree is a partition of all places and normals, made from light paths of its own. So the density that it gives a
+place does not depend on the vertices that a pass has there.
 """
 
 from __future__ import annotations
@@ -115,8 +116,8 @@ def draw(block, workspace, x, n, u):
 
 @kernel
 def density(block, workspace, x, n, y, normal):
-    """Estimate of the density by area (1/m²) with which ``draw`` and one of the node's vertices give a place y with this
-    geometric normal; 0 where they cannot."""
+    """Estimate of the density by area (1/m²) with which ``draw`` and one of the node's vertices give a place y with
+    this geometric normal; 0 where they cannot."""
     choice, nodes = choice_table(workspace)[0], node_table(block)
     at = 0
     while nodes[at].top < 0:
@@ -261,7 +262,8 @@ def _mark(nodes, count, tops):
 
 @kernel
 def place(nodes, raw, lengths, width, vertices):
-    """Sort the vertices of a pass, ``lengths[i]`` of the path i from ``raw[i · width]`` on, by the leaves of the tree."""
+    """Sort the vertices of a pass, ``lengths[i]`` of the path i from ``raw[i · width]`` on, by the leaves of the
+    tree."""
     leaf = np.empty(len(raw), np.int32)
     for node in nodes:
         node.count = 0

@@ -32,8 +32,8 @@ EVEN = 0.15
 def image_distribution(pixels: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
     """Cumulative probabilities of the cells of an image (height, width, 3 or 1), and its mean over the sphere.
 
-    Returns rows (R + 1,), columns (R, C + 1) and the mean of the average of its channels. In images wider than ``MAX_COLUMNS``
-    several pixels share a cell. Everything is zero if the image is black.
+    Returns rows (R + 1,), columns (R, C + 1) and the mean of the average of its channels. In images wider than
+    ``MAX_COLUMNS`` several pixels share a cell. Everything is zero if the image is black.
     """
     weight = np.abs(pixels[..., :3]).mean(axis=2, dtype=np.float64)
     # Mean of the bilinear filter over a pixel: 1/8, 6/8, 1/8 along each axis; longitude wraps, latitude does not.

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From the scene to the tables of all emitters. Units and conventions of Blender's lights are applied in their modules."""
+"""From the scene to the tables of all emitters. Units and conventions of Blender's lights are applied in their
+modules."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ from ..path import LIGHT_SET, MEDIA_SETS, PLACE_SET, contribute, path_table
 from ..samplers import get_2d, get_4d
 from ..visibility import shadow_ray, transmittance
 from ..workspace import light_cut_of
-from . import apart
+from . import dispatch
 from .beams import attenuation, channel_probabilities, draw_distance, gathered_rgb
 from .phase import phase
 from .records import inside_table
@@ -45,7 +45,7 @@ _STEPS = (0.8566748838545029, 0.7338918566271259, 0.6287067210378087, 0.53859725
 @kernel
 def _shadow(block, workspace, emitter, x, wi, distance):
     """The light (RGB) of an emitter at that distance that reaches the point x of the path's ray."""
-    apart.bounds(block, workspace, apart.LOOK)
+    dispatch.bounds(block, workspace, dispatch.LOOK)
     to_light, t_max = shadow_ray(x, x, wi, distance)
     return transmittance(block, workspace, x, to_light, t_max, lights.blockers(block, emitter))
 

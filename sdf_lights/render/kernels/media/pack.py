@@ -14,7 +14,8 @@ from .records import BOUNDS, MEDIUM, NOTHING, PART
 
 def pack_media(scene: Scene) -> tuple[dict[str, np.ndarray], dict[str, int]]:
     """Tables and scalars; ``camera_scalars`` sets ``camera_in_media``."""
-    rows, parts = [], []
+    rows: list = []
+    parts: list = []
 
     def add(medium: Medium | None) -> int:
         if medium is None or medium.does_nothing:

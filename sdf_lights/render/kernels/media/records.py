@@ -8,7 +8,7 @@ import numpy as np
 
 from ....jit import table
 from ..path import COUNTS as PATH_COUNTS
-from . import apart
+from . import dispatch
 
 NOTHING = -1  # means: no medium, no owner
 WORLD = -2  # owner of the world's medium
@@ -52,7 +52,7 @@ INSIDE = np.dtype(
     align=True,
 )
 
-TABLES = {**apart.TABLES, "media": MEDIUM, "media_parts": PART, "media_bounds": BOUNDS}
+TABLES = {**dispatch.TABLES, "media": MEDIUM, "media_parts": PART, "media_bounds": BOUNDS}
 SCALARS = [
     ("has_media", np.int64),
     ("world_medium", np.int64),  # NOTHING: there is none

@@ -17,7 +17,7 @@ from .. import lights
 from ..geometry import hit_material, instance_at, instance_table, surface_table
 from ..path import path_table
 from ..rays import beyond, hit_instance, hit_normal, intersect, ray_table
-from .apart import BEGIN, CROSS, ESCAPE, LOOK, NOTE, PASS
+from .dispatch import BEGIN, CROSS, ESCAPE, LOOK, NOTE, PASS
 from .records import LIGHT_RAY, MOST_BOUNDS, MOST_MEDIA, NOTHING, WORLD, bounds_table, inside_table, medium_table
 
 CAMERA = int(Ray.CAMERA)
@@ -169,7 +169,8 @@ def _begin(block, workspace):
 
 @kernel
 def bounds(block, workspace, what):
-    """An event of the path at the surfaces of media: one of ``apart``'s BEGIN …; 1 if it has passed a surface, else 0.
+    """An event of the path at the surfaces of media: one of ``dispatch``'s BEGIN …; 1 if it has passed a surface,
+    else 0.
 
     BEGIN: it leaves the camera. ESCAPE: it hits nothing any more; an open mesh does not fill infinite space. NOTE: it
     has hit the workspace's surface. CROSS: it passes through that. PASS: it passes through the surface that its ray has

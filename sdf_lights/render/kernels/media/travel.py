@@ -9,9 +9,9 @@ import numpy as np
 from ....jit import kernel
 from ....vec import largest, madd, mul, put, scale, vec
 from ...scene import Ray
-from ..departure import clear_self_primitive
 from ..outputs.state import scattered_in_medium
 from ..path import KEPT_RAY, MEDIA_SETS, NO_EMITTER, PHASE_SET, TRAVEL_SET, contribute, path_table
+from ..ray_origins import clear_self_primitive
 from ..rays import ray_table
 from ..samplers import get_2d, get_3d
 from .beams import attenuation, channel_probabilities, distance_density, distance_in, gathered_rgb
@@ -92,7 +92,7 @@ def _travel(block, workspace, length, may_scatter):
 
 
 @kernel
-def _pays_to_scatter(block, path):
+def _can_find_light(block, path):
     """Whether a path that is scattered here can find anything: lamps are left to light sampling."""
     last = path.bounce >= block.max_bounces or path.volume >= block.volume_bounces
     return block.emitters_hit != 0 or not last
@@ -113,7 +113,7 @@ def enter(block, workspace, length):
         clear_self_primitive(rays[0])
         light_ray(block, workspace, length)
         rays[0] = rays[KEPT_RAY]
-    return 1.0 if _travel(block, workspace, length, not path.last and _pays_to_scatter(block, path)) else 0.0
+    return 1.0 if _travel(block, workspace, length, not path.last and _can_find_light(block, path)) else 0.0
 
 
 @kernel

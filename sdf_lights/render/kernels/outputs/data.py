@@ -10,15 +10,15 @@ from ....jit import kernel, table
 from ....vec import ZERO, add, average, dot, frame, length, madd, mul, normalize, scale, sub, to_world, vec
 from ...nodes.lookups import attribute_here
 from ..camera import ORTHOGRAPHIC, camera_table, view_depth
-from ..departure import spawn_ray
 from ..geometry import NO_DOMAIN, attribute_table, instance_table, shading_material_table
-from ..next_event import look
+from ..next_event import begin_light_ray
 from ..path import OCCLUSION_SETS, path_table, sample_table
+from ..ray_origins import spawn_ray
 from ..rays import SHADOW_OPAQUE
 from ..samplers import get_2d
 from ..shading import energy, fresnel, microfacet
 from ..shading.diffuse import cosine_hemisphere
-from ..shading.material_compiler import AOV
+from ..shading.material_records import AOV
 from ..shading.operands import number, vector
 from ..shading.records import (
     FACETS,
@@ -35,7 +35,7 @@ from ..shading.records import (
     surface_table,
 )
 from ..visibility import transmittance
-from . import apart
+from . import dispatch
 from .light import is_diffuse
 from .records import (
     DATA_NAMES,
@@ -159,7 +159,7 @@ def _visible_sky(block, workspace, surface):
     t, b = frame(normal)
     wi = to_world(cosine_hemisphere(u[0], u[1]), t, b, normal)
     if block.has_media:
-        look(block, workspace, ng, wi)
+        begin_light_ray(block, workspace, ng, wi)
     start = spawn_ray(workspace, surface, wi)
     return transmittance(block, workspace, start, wi, block.occlusion_distance, SHADOW_OPAQUE)
 
@@ -222,7 +222,7 @@ def add_surface(block, workspace, first):
     _number(block, sums, _MATERIAL_INDEX, shading_material_table(block)[surface.material].index)
     _add_aovs(block, workspace, surface, sums)
     if first and block.outputs & VECTORS:
-        apart.add_vector(block, workspace)
+        dispatch.add_vector(block, workspace)
     place = _place(block, _UV)
     if first and place >= 0:
         attributes = instance_table(block)[surface.instance].attributes
@@ -233,7 +233,7 @@ def add_surface(block, workspace, first):
 
 
 @kernel
-def leave_scene(block, workspace, unused):
+def add_miss(block, workspace, unused):
     """Drop the numbers of surfaces that are more transparent than solid, because nothing is behind them. The background
     moves as the camera turns."""
     if not sample_table(workspace)[0].found:
@@ -241,5 +241,5 @@ def leave_scene(block, workspace, unused):
         _number(block, sums, _OBJECT_INDEX, 0)
         _number(block, sums, _MATERIAL_INDEX, 0)
         if block.outputs & VECTORS and block.background_moves:
-            apart.add_background_vector(block, workspace)
+            dispatch.add_background_vector(block, workspace)
     return 0.0

@@ -7,9 +7,9 @@ import numpy as np
 from ...scene import Scene
 from ...tables import albedo
 from .. import textures
-from . import energy, material_compiler, special
+from . import energy, material_compiler, material_records, special
 from .graphs import Graphs
-from .material_compiler import MATERIAL, NO_GRAPH
+from .material_records import MATERIAL, NO_GRAPH
 from .records import CLOSURE, SURFACE, WORKSPACE_COUNTS, WORKSPACE_TABLES
 from .scattering import evaluate, has_lobes, sample, transmits
 from .surface import shade, transparency
@@ -32,7 +32,7 @@ __all__ = [
     "transparency",
 ]
 
-TABLES = {**material_compiler.TABLES, **textures.TABLES, **energy.TABLES, **special.TABLES}
+TABLES = {**material_records.TABLES, **textures.TABLES, **energy.TABLES, **special.TABLES}
 
 
 def pack_materials(scene: Scene) -> tuple[dict[str, np.ndarray], Graphs]:

@@ -9,11 +9,8 @@ import math
 
 from ....jit import kernel, table
 from ....vec import ZERO, add, average, dot, madd, mul, normalize, put, put_sum, scale, vec
-from . import apart, diffuse, energy, fresnel, microfacet
-from .material_compiler import (
-    LOBE,
-    MULTISCATTER,
-)
+from . import diffuse, dispatch, energy, fresnel, microfacet
+from .material_records import LOBE, MULTISCATTER
 from .operands import normal, number
 from .records import (
     FRESNEL_DIELECTRIC,
@@ -173,7 +170,7 @@ def refined_albedo(block, workspace, refined, index, roughness, albedo):
     """The roughness for the look-up of the microfacets' albedo, and their albedo after lobe number ``refined`` has made
     closure ``index`` anisotropic and covered it with a film; −1: no such lobe."""
     if refined >= 0:
-        roughness, r, g, b = apart.refine(block, workspace, refined, index, roughness)
+        roughness, r, g, b = dispatch.refine(block, workspace, refined, index, roughness)
         if r >= 0.0:
             albedo = (r, g, b)
     return roughness, albedo

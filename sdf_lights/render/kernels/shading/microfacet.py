@@ -40,8 +40,8 @@ def masking(alpha2, cosine):
 
 @kernel
 def visible_normal(wo, alpha, across, u1, u2):
-    """A microfacet normal, drawn in proportion to its area as seen from wo; both in the frame of the normal z. ``alpha`` is
-    the roughness along x, ``across`` that along y."""
+    """A microfacet normal, drawn in proportion to its area as seen from wo; both in the frame of the normal z.
+    ``alpha`` is the roughness along x, ``across`` that along y."""
     x, y, z = alpha * wo[0], across * wo[1], wo[2]
     inverse = 1.0 / math.sqrt(x * x + y * y + z * z)
     x, y, z = x * inverse, y * inverse, z * inverse

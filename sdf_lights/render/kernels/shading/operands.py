@@ -8,7 +8,7 @@ import numpy as np
 from ....jit import address_of_record, call_surface_code, kernel, table
 from ....replaced import replaced_on_gpu
 from ....vec import dot, normalize, vec
-from .material_compiler import NONE
+from .material_records import NONE
 from .records import surface_table
 
 _constants = table("constants", np.float64)

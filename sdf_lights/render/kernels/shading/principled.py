@@ -9,7 +9,7 @@ import math
 
 from ....jit import kernel
 from ....vec import dot, madd, mul, normalize, put, put_sum, scale, vec
-from . import apart, energy, fresnel
+from . import dispatch, energy, fresnel
 from .closures import (
     NO_FILM,
     WHITE,
@@ -27,7 +27,7 @@ from .closures import (
     saturated,
     specular_normal,
 )
-from .material_compiler import (
+from .material_records import (
     ALPHA,
     BASE_COLOR,
     COAT_IOR,
@@ -202,7 +202,7 @@ def add_principled(block, workspace, lobe, index, share):
         if transmission > NEGLIGIBLE:
             below = scale(weight, transmission)
             if features & WITH_THIN_WALL and number(block, workspace, args[THIN_WALL]) > 0.0:
-                apart.thin_wall(block, workspace, index, below[0], below[1], below[2])
+                dispatch.thin_wall(block, workspace, index, below[0], below[1], below[2])
             else:
                 # A ray crosses the surface twice, so each crossing takes the square root of the colour.
                 add_glass(
@@ -235,6 +235,6 @@ def add_principled(block, workspace, lobe, index, share):
         amount = saturate(number(block, workspace, args[SUBSURFACE_WEIGHT]))
         if amount > NEGLIGIBLE:
             below = mul(scale(weight, amount), color)
-            apart.subsurface(block, workspace, index, below[0], below[1], below[2], ior)
+            dispatch.subsurface(block, workspace, index, below[0], below[1], below[2], ior)
         weight = scale(weight, 1.0 - amount)
     add_diffuse(workspace, mul(weight, base), base, saturate(number(block, workspace, args[DIFFUSE_ROUGHNESS])), n)

@@ -58,8 +58,11 @@ SURFACE = np.dtype(
         ("primitive", "i4"),
         ("strand", "i4"),  # of a curve, which kind of scene.Primitive it is; else 0
         ("terminator", "f8"),  # cosine below which light rays start above a smooth triangle; 0: none does
-        ("number", "u4"),  # of its triangle, curve or sphere, which rays that leave it do not meet: departure.number_of
-        ("exact_origin", "i4"),  # 1: rays start at its position, 0: their origin is offset (see departure.py)
+        (
+            "number",
+            "u4",
+        ),  # of its triangle, curve or sphere, which rays that leave it do not meet: ray_origins.number_of
+        ("exact_origin", "i4"),  # 1: rays start at its position, 0: their origin is offset (see ray_origins.py)
         # Of the material, filled by shade().
         ("closure_count", "i4"),
         ("evaluable", "i4"),  # closures that are not singular; without them light sampling is useless

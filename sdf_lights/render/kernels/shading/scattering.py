@@ -8,7 +8,7 @@ import numpy as np
 
 from ....jit import kernel
 from ....vec import ZERO, add, dot, frame, mul, negate, scale, to_world, vec
-from . import apart, diffuse, microfacet
+from . import diffuse, dispatch, microfacet
 from .records import (
     DIFFUSE,
     GLOSSY,
@@ -69,7 +69,7 @@ def evaluate_closure(block, workspace, index, wi):
         pdf = diffuse.sheen(closure, vec(surface.wo), wi)
         value = (pdf, pdf, pdf)
     else:
-        r, g, b, pdf = apart.evaluate(block, workspace, kind, index, wi[0], wi[1], wi[2])
+        r, g, b, pdf = dispatch.evaluate(block, workspace, kind, index, wi[0], wi[1], wi[2])
         value = (r, g, b)
     if pdf <= 0.0:
         return ZERO, 0.0
@@ -144,7 +144,7 @@ def _sample_closure(block, workspace, index, u1, u2, u3):
     if kind == STRAIGHT:
         return negate(wo), vec(closure.weight), 1.0, TRANSPARENT | SINGULAR
     if kind > SHEEN:
-        x, y, z, red, green, blue, pdf, side = apart.sample(block, workspace, kind, index, u1, u2, u3)
+        x, y, z, red, green, blue, pdf, side = dispatch.sample(block, workspace, kind, index, u1, u2, u3)
         return (x, y, z), mul((red, green, blue), vec(closure.weight)), pdf, int(side)
     n = vec(closure.normal)
     if kind == SHEEN:

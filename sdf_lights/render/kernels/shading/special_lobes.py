@@ -24,7 +24,7 @@ from .records import (
     THINNEST_FILM,
 )
 
-FIRST = 10  # after the lobes of material_compiler.py
+FIRST = 10  # after the lobes of material_records.py
 (
     LOBE_ROUGH_GLOSSY,  # glossy, with anisotropy or Beckmann's distribution
     LOBE_ASHIKHMIN_SHIRLEY,  # glossy
@@ -45,7 +45,7 @@ def lobe_kind(name: str) -> int:
     return _REGISTERED[name]
 
 
-# Features, after those of material_compiler.py: Principled with microfacets of FACETS; Principled that can be a thin
+# Features, after those of material_records.py: Principled with microfacets of FACETS; Principled that can be a thin
 # wall; Beckmann's distribution.
 WITH_FACETS, WITH_THIN_WALL, WITH_BECKMANN = (1 << bit for bit in range(8, 11))
 # Of subsurface scattering: there is some; Principled has some in a thin wall; not if the path has already hit a diffuse

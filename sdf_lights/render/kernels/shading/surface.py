@@ -4,7 +4,7 @@
 
 from ....jit import kernel, table
 from ....vec import ZERO, dot, madd, put, put_sum, scale, vec
-from . import apart, energy, fresnel
+from . import dispatch, energy, fresnel
 from .closures import (
     WHITE,
     add_diffuse,
@@ -19,7 +19,7 @@ from .closures import (
     saturate,
     specular_normal,
 )
-from .material_compiler import (
+from .material_records import (
     LOBE_ALPHA,
     LOBE_DIFFUSE,
     LOBE_EMISSION,
@@ -70,7 +70,7 @@ def _add_lobe(block, workspace, lobe, index, weight):
         add_principled(block, workspace, lobe, index, weight)
         return
     if kind > LOBE_ALPHA:
-        apart.add(block, workspace, kind, index, weight)
+        dispatch.add(block, workspace, kind, index, weight)
         return
     if kind == LOBE_HOLDOUT:
         surface.holdout += weight
@@ -144,7 +144,7 @@ def transparency(block, workspace):
     if not material.flags & HAS_TRANSPARENCY:
         return ZERO
     if material.flags & SHADES_SHADOWS:
-        return apart.transparency(block, workspace)
+        return dispatch.transparency(block, workspace)
     if material.shadow_graph != NO_GRAPH:
         run(block, workspace, material.shadow_graph, material.shadow_slots)
     lobes = lobe_table(block)

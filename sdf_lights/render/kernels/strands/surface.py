@@ -25,7 +25,6 @@ from ....vec import (
     vec,
 )
 from ...scene import Primitive
-from ..departure import number_of
 from ..geometry import (
     BUMP_DISTANCE,
     BUMP_FILTER,
@@ -35,6 +34,7 @@ from ..geometry import (
     surface_table,
     triangle_table,
 )
+from ..ray_origins import number_of
 from ..rays import hit_instance, ray_table
 from ..workspace import secondary_table
 

@@ -24,8 +24,8 @@ def _polynomial(g, a, b, c, d, e, f, h):
 
 @kernel
 def _albedo_by_fit(color, g):
-    """Albedo of single scattering, for g ≥ 0: the fit of Wrenninge, Villemin and Hery 2017, "Path traced subsurface scattering
-    using anisotropic phase functions and non-exponential free flights", to Chiang, Kutz and Burley 2016."""
+    """Albedo of single scattering, for g ≥ 0: the fit of Wrenninge, Villemin and Hery 2017, "Path traced subsurface
+    scattering using anisotropic phase functions and non-exponential free flights", to Chiang, Kutz and Burley 2016."""
     a = 1.8260523782 + _polynomial(
         g, -1.28451056436, -1.79904629312, 9.19393289202, -22.8215585862, 32.0234874259, -23.6264803333, 7.21067002658
     )
@@ -61,8 +61,8 @@ def _albedo_by_fit(color, g):
 
 @kernel
 def _albedo_by_inversion(color, g):
-    """Albedo of single scattering by van de Hulst's formula for a half space, inverted: d'Eon 2021, "A hitchhiker's guide to
-    multiple scattering", equation 53.7."""
+    """Albedo of single scattering by van de Hulst's formula for a half space, inverted: d'Eon 2021, "A hitchhiker's
+    guide to multiple scattering", equation 53.7."""
     s = 4.09712 + 4.20863 * color - math.sqrt(9.59217 + color * (41.6808 + 17.7126 * color))
     below = 1.0 - g * s * s
     return (1.0 - s * s) / below if below != 0.0 else 0.0
@@ -70,15 +70,16 @@ def _albedo_by_inversion(color, g):
 
 @kernel
 def _reflected(albedo, boundary):
-    """Diffuse reflectance of a medium: Jensen et al. 2001, "A practical model for subsurface light transport", equation 15."""
+    """Diffuse reflectance of a medium: Jensen et al. 2001, "A practical model for subsurface light transport", equation
+    15."""
     s = math.sqrt(3.0 * (1.0 - albedo))
     return 0.5 * albedo * (1.0 + math.exp(-boundary * s)) * math.exp(-s)
 
 
 @kernel
 def _reduced_albedo(color, boundary):
-    """The albedo that reflects ``color``: Jensen and Buhler 2002, "A rapid hierarchical rendering technique for translucent
-    materials"."""
+    """The albedo that reflects ``color``: Jensen and Buhler 2002, "A rapid hierarchical rendering technique for
+    translucent materials"."""
     if color < 1e-4:
         return 0.0
     if color >= 0.995:
@@ -121,8 +122,8 @@ def _channel(color, radius, g, method, boundary):
 
 @kernel
 def coefficients(closure):
-    """Extinction, albedo and factor, each RGB, of a ``SUBSURFACE`` closure. The factor takes the colour from its weight, as
-    the walk brings that."""
+    """Extinction, albedo and factor, each RGB, of a ``SUBSURFACE`` closure. The factor takes the colour from its
+    weight, as the walk brings that."""
     color, radius, g, method = vec(closure.f0), vec(closure.edge), closure.a, closure.distribution
     boundary = skin_boundary(closure.ior)
     r0, a0, f0 = _channel(color[0], radius[0], g, method, boundary)

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Exits by the profile of Christensen and Burley 2015, "Approximate reflectance profiles for efficient subsurface scattering".
+"""Exits by the profile of Christensen and Burley 2015, "Approximate reflectance profiles for efficient subsurface
+scattering".
 
 The exits are the hits of a line through a disk around the entry with the instance: King, Kulla, Conty and Fajardo 2013,
 "BSSRDF importance sampling".

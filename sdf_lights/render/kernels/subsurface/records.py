@@ -9,14 +9,14 @@ import numpy as np
 from ....jit import kernel, table
 from ....replaced import replaced_on_gpu
 from ....vec import transform_point, transform_vector
-from ..departure import clear_self_primitive
 from ..geometry import instance_at
+from ..ray_origins import clear_self_primitive
 from ..rays import NONE, intersect_scene, ray_table
-from . import apart
+from . import dispatch
 
 # For each instance the Embree scene with only that instance, in world space if it is baked, else in local space; 0:
 # there is none.
-TABLES = {**apart.TABLES, "inner_scenes": np.dtype(np.int64)}
+TABLES = {**dispatch.TABLES, "inner_scenes": np.dtype(np.int64)}
 SCALARS = [("has_subsurface", np.int64)]
 
 inner_table = table("inner_scenes", np.int64)

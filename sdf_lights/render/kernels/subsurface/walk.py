@@ -17,11 +17,11 @@ import math
 from ....jit import kernel
 from ....replaced import replaced_on_gpu
 from ....vec import dot, frame, largest, madd, mul, scale, sub, to_world, vec
-from ..departure import offset_ray_origin
 from ..geometry import surface_table
 from ..media.beams import attenuation, channel_probabilities, fade
 from ..media.phase import draw_cosine, henyey_greenstein
 from ..path import SUBSURFACE_SETS, path_table
+from ..ray_origins import offset_ray_origin
 from ..rays import ray_table
 from ..samplers import get_4d
 from ..shading.records import BURLEY, closure_table

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Hair, and Principled Hair, over arrays of points: from nodes to the lobes of ``fibers.py``. See ``bsdfs/__init__.py``."""
+"""Hair, and Principled Hair, over arrays of points: from nodes to the lobes of
+``fibers.py``. See ``bsdfs/__init__.py``."""
 
 from __future__ import annotations
 

@@ -39,5 +39,5 @@ class Triangles(Emitter):
         return wi, distance, self.density(distance, np.abs(dot(wi, self.normals[index]))), index, u, v
 
     def density(self, distance: np.ndarray, cosine: np.ndarray) -> np.ndarray:
-        """Solid angle density of a point sampled at ``distance`` on a triangle seen at ``cosine``."""
+        """Density (N,) per solid angle of a point sampled at ``distance`` (N,) on a triangle seen at ``cosine``."""
         return np.where(cosine > 1e-9, distance**2 / (np.maximum(cosine, 1e-9) * self.area), 0.0)

@@ -63,7 +63,7 @@ class Sky(Emitter):
         self.density = spread / weights.sum() * columns / (2.0 * np.pi)  # by solid angle
 
     def radiance(self, directions: np.ndarray, kind: np.ndarray | int = 0) -> np.ndarray:
-        """``kind``: ``scene.Ray`` of the rays; 0 in light sampling."""
+        """Radiance (N, 3) along directions (N, 3). ``kind``: ``scene.Ray`` of the rays; 0 in light sampling."""
         if self.points is not None:
             return self.color * self.points.radiance(directions, kind)
         if self.pixels is None:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Closures that few scenes have: one module each, compiled if a scene has it (see ``apart.py``).
+"""Closures that few scenes have: one module each, compiled if a scene has it (see ``dispatch.py``).
 
 A module of this folder has kernels ``evaluate`` and ``sample`` of its closures; ``CLOSURES``, the names of their kinds;
 and ``LOBES``: for each lobe the kernel that adds its closures, and their kinds. Each module defines its own use of the
@@ -17,8 +17,8 @@ import numpy as np
 
 from .....jit import CallablePart
 from ....tables import thin_film as film_table
-from .. import apart
-from ..material_compiler import LOBE_PRINCIPLED
+from .. import dispatch
+from ..material_records import LOBE_PRINCIPLED
 from ..records import FACETS, SUBSURFACE, THIN_GLASS
 from ..shadow_shading import shaded_transparency
 from ..special_lobes import (
@@ -32,7 +32,7 @@ from ..special_lobes import (
 )
 from . import facets, subsurface, thin_film, thin_wall
 
-TABLES = {**apart.TABLES, **thin_film.TABLES}
+TABLES = {**dispatch.TABLES, **thin_film.TABLES}
 
 # ``jit`` counts all modules of this folder as sources.
 _MODULES = [importlib.import_module(f".{item.name}", __name__) for item in pkgutil.iter_modules(__path__)]
@@ -53,8 +53,8 @@ _ADD, _REFINE, _THIN_WALL, _TRANSPARENCY, _SCATTERING, _EVALUATE, _SAMPLE = 2, 3
 
 
 def kinds(lobes: np.ndarray) -> tuple[set[int], set[int], bool, bool, bool]:
-    """For the lobes (rows of ``LOBE``) of a scene: kinds of lobe and of closure in this package, whether Principled has
-    such microfacets, whether it can be a thin wall, and whether it has subsurface scattering."""
+    """For the lobes (n,), rows of ``LOBE``, of a scene: kinds of lobe and of closure in this package, whether
+    Principled has such microfacets, whether it can be a thin wall, and whether it has subsurface scattering."""
     principled = lobes["features"][lobes["kind"] == LOBE_PRINCIPLED]
     refined, thin = bool((principled & WITH_FACETS).any()), bool((principled & WITH_THIN_WALL).any())
     deep = bool((principled & (WITH_SUBSURFACE | WITH_THIN_SCATTERING)).any())
@@ -70,29 +70,29 @@ def kinds(lobes: np.ndarray) -> tuple[set[int], set[int], bool, bool, bool]:
 
 
 def methods(lobes: np.ndarray) -> set[int]:
-    """Methods of subsurface scattering (``records.BURLEY`` …) of the lobes of a scene."""
+    """Methods of subsurface scattering (``records.BURLEY`` …) of the lobes (n,) of a scene."""
     features = lobes["features"]
     deep = (lobes["kind"] == LOBE_SUBSURFACE) | (lobes["kind"] == LOBE_PRINCIPLED) & (features & WITH_SUBSURFACE != 0)
     return {int(method) for method in np.unique(features[deep] >> METHOD & 3)}
 
 
 def addresses(lobes: np.ndarray, records: tuple) -> np.ndarray:
-    """The table "special_code" of a scene with these lobes, for blocks and workspaces of these ``records``. The code is
-    compiled first and kept for ever."""
-    table = np.zeros(apart.PLACES, np.int64)
+    """The table "special_code" of a scene with these lobes (n,), for blocks and workspaces of these ``records``. The
+    code is compiled first and kept for ever."""
+    table = np.zeros(dispatch.PLACES, np.int64)
     found, closures, refined, thin, deep = kinds(lobes)
     if refined:
-        table[apart.REFINE] = _address(REFINE, _REFINE, records)
+        table[dispatch.REFINE] = _address(REFINE, _REFINE, records)
     if thin:
-        table[apart.THIN_WALL] = _address(THIN_WALL, _THIN_WALL, records)
-        table[apart.TRANSPARENCY] = _address(TRANSPARENCY, _TRANSPARENCY, records)
+        table[dispatch.THIN_WALL] = _address(THIN_WALL, _THIN_WALL, records)
+        table[dispatch.TRANSPARENCY] = _address(TRANSPARENCY, _TRANSPARENCY, records)
     if deep:
-        table[apart.SUBSURFACE] = _address(SCATTERING, _SCATTERING, records)
+        table[dispatch.SUBSURFACE] = _address(SCATTERING, _SCATTERING, records)
     for kind in found:
-        table[apart.ADD + kind - FIRST] = _address(LOBES[kind][0], _ADD, records)
+        table[dispatch.ADD + kind - FIRST] = _address(LOBES[kind][0], _ADD, records)
     for kind in closures:
-        table[apart.EVALUATE + kind] = _address(CLOSURES[kind].evaluate, _EVALUATE, records)
-        table[apart.SAMPLE + kind] = _address(CLOSURES[kind].sample, _SAMPLE, records)
+        table[dispatch.EVALUATE + kind] = _address(CLOSURES[kind].evaluate, _EVALUATE, records)
+        table[dispatch.SAMPLE + kind] = _address(CLOSURES[kind].sample, _SAMPLE, records)
     return table
 
 
@@ -127,5 +127,5 @@ def _address(kernel, count: int, records: tuple) -> int:
 
 
 def tables(lobes: np.ndarray) -> dict[str, np.ndarray]:
-    """Tables that these closures read."""
+    """Tables that the closures of these lobes (n,) read."""
     return {"film": film_table.load() if {FACETS, THIN_GLASS} & kinds(lobes)[1] else np.zeros(1)}

@@ -1,11 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Microfacets that ``microfacet.py`` lacks: anisotropic ones, Beckmann's distribution, physical conductors, and thin
-films.
+"""Microfacets that ``microfacet.py`` lacks: anisotropic ones, Beckmann's distribution, and thin films.
 
-Heitz 2014, "Understanding the masking-shadowing function in microfacet-based BRDFs", for the anisotropic forms; Walter et al.
-2007, "Microfacet models for refraction through rough surfaces", for Beckmann's; its visible normals as in Jakob 2014, "An
-improved visible normal sampling routine for the Beckmann distribution".
+Heitz 2014, "Understanding the masking-shadowing function in microfacet-based BRDFs", for the anisotropic forms; Walter
+et al. 2007, "Microfacet models for refraction through rough surfaces", for Beckmann's.
 """
 
 import math
@@ -14,20 +12,16 @@ from .....jit import kernel
 from .....vec import add, cross, dot, frame, madd, mul, normalize, put, scale, to_world, vec
 from .. import energy, fresnel, microfacet
 from ..closures import (
-    NO_FILM,
     begin_glass,
-    begin_metal,
     begin_microfacet,
     begin_refraction,
     finish,
-    finish_metal,
     lobe_table,
     positive,
     saturate,
-    saturated,
     specular_normal,
 )
-from ..material_compiler import (
+from ..material_records import (
     ANISOTROPIC,
     ANISOTROPIC_ROTATION,
     MULTISCATTER,
@@ -54,20 +48,17 @@ from ..records import (
     surface_table,
 )
 from ..special_lobes import (
-    LOBE_CONDUCTOR,
-    LOBE_METALLIC,
     LOBE_ROUGH_GLASS,
     LOBE_ROUGH_GLOSSY,
     LOBE_ROUGH_REFRACTION,
     WITH_BECKMANN,
 )
 from . import thin_film
+from .beckmann import beckmann_normal
 
 _BLACK = (0.0, 0.0, 0.0)
 _NOTHING = (0.0, 0.0, 0.0, 0.0)
 _NO_DIRECTION = (0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0)
-_SMALLEST = 1e-6  # limit for values that may be a random number 0 or 1
-_STEPS = 4  # of Newton's method
 
 
 # What a closure is made of
@@ -242,89 +233,6 @@ def masking(closure, w):
 
 
 @kernel
-def _erf(x):
-    """Abramowitz and Stegun 1964, 7.1.26; the error is at most 1.5e-7."""
-    t = 1.0 / (1.0 + 0.3275911 * abs(x))
-    y = ((((1.061405429 * t - 1.453152027) * t + 1.421413741) * t - 0.284496736) * t + 0.254829592) * t
-    return math.copysign(1.0 - y * math.exp(-x * x), x)
-
-
-@kernel
-def _erf_inverse(x):
-    """Giles 2010, "Approximating the erfinv function"."""
-    w = -math.log(max((1.0 - x) * (1.0 + x), 1e-30))
-    if w < 5.0:
-        w -= 2.5
-        p = 2.81022636e-08
-        p = 3.43273939e-07 + p * w
-        p = -3.5233877e-06 + p * w
-        p = -4.39150654e-06 + p * w
-        p = 0.00021858087 + p * w
-        p = -0.00125372503 + p * w
-        p = -0.00417768164 + p * w
-        p = 0.246640727 + p * w
-        p = 1.50140941 + p * w
-    else:
-        w = math.sqrt(w) - 3.0
-        p = -0.000200214257
-        p = 0.000100950558 + p * w
-        p = 0.00134934322 + p * w
-        p = -0.00367342844 + p * w
-        p = 0.00573950773 + p * w
-        p = -0.0076224613 + p * w
-        p = 0.00943887047 + p * w
-        p = 1.00167406 + p * w
-        p = 2.83297682 + p * w
-    return p * x
-
-
-@kernel
-def _beckmann_slope(cosine, u):
-    """A slope along the view of a surface of roughness 1 seen under ``cosine``.
-
-    The cumulative distribution of e = erf(slope) is proportional to 1 + e + tan θ · exp(−erf⁻¹(e)²) / √π. Newton's
-    method inverts it, inside an interval that contains the root.
-    """
-    tangent = math.sqrt(max(1.0 - cosine * cosine, 0.0)) / cosine
-    cotangent = 1.0 / max(tangent, 1e-12)
-    factor = tangent / math.sqrt(math.pi)
-    low, high = -1.0, _erf(cotangent)
-    wanted = u * (1.0 + high + factor * math.exp(-cotangent * cotangent))
-    # With the exponential approximated by 1 − e², the equation is quadratic.
-    e = wanted - 1.0
-    if factor > 1e-6:
-        e = (0.5 - math.sqrt(max(factor * (factor - wanted + 1.0) + 0.25, 0.0))) / factor
-    slope = 0.0
-    for _ in range(_STEPS):
-        if not low <= e <= high:
-            e = 0.5 * (low + high)
-        slope = _erf_inverse(e)
-        value = 1.0 + e + factor * math.exp(-slope * slope) - wanted
-        if value > 0.0:
-            high = e
-        else:
-            low = e
-        e -= value / (1.0 - slope * tangent)
-    return slope
-
-
-@kernel
-def beckmann_normal(wo, along, across, u1, u2):
-    """As ``microfacet.visible_normal``, for Beckmann's distribution."""
-    u1, u2 = min(max(u1, _SMALLEST), 1.0 - _SMALLEST), min(max(u2, _SMALLEST), 1.0 - _SMALLEST)
-    view = normalize((along * wo[0], across * wo[1], wo[2]))
-    sine = math.sqrt(view[0] * view[0] + view[1] * view[1])
-    if sine < 1e-4:
-        radius, phi = math.sqrt(-math.log(u1)), 2.0 * math.pi * u2
-        x, y = radius * math.cos(phi), radius * math.sin(phi)
-    else:
-        p, q = _beckmann_slope(view[2], u1), _erf_inverse(2.0 * u2 - 1.0)
-        c, s = view[0] / sine, view[1] / sine
-        x, y = c * p - s * q, s * p + c * q
-    return normalize((-along * x, -across * y, 1.0))
-
-
-@kernel
 def evaluate(block, workspace, index, x, y, z):
     """f · |cos| of a rough closure without its weight, and the pdf of ``sample``."""
     closure = closure_table(workspace)[int(index)]
@@ -381,7 +289,7 @@ def smooth_albedo(block, closure, cosine):
 
 @kernel
 def refine(block, workspace, lobe, index, roughness):
-    """For microfacets of Principled: see ``apart.refine``."""
+    """For microfacets of Principled: see ``dispatch.refine``."""
     args = lobe_table(block)[int(lobe)].args
     closure, surface = closure_table(workspace)[int(index)], surface_table(workspace)[0]
     anisotropy = 0.0 if closure.transmits else saturate(number(block, workspace, args[ANISOTROPIC]))
@@ -482,95 +390,9 @@ def add_refraction(block, workspace, lobe, weight):
     return 0.0
 
 
-@kernel
-def _shape_metal(block, workspace, lobe, index, given):
-    """Make closure ``index`` of Metallic as its lobe says, from the input normal ``given`` on. Returns the roughness
-    for the look-up of its albedo, and its reflectance where it is smooth; negative if that is not needed."""
-    args, closure = lobe.args, closure_table(workspace)[index]
-    roughness = math.sqrt(closure.alpha)
-    anisotropy = saturate(number(block, workspace, args[4]))
-    thickness = number(block, workspace, args[7])
-    plain = closure.fresnel == FRESNEL_F82 and not thickness > THINNEST_FILM
-    if plain and anisotropy <= 0.0 and not lobe.features & WITH_BECKMANN:
-        return roughness, NO_FILM
-    begin_facets(closure, BECKMANN if lobe.features & WITH_BECKMANN else GGX)
-    if anisotropy > 0.0:
-        ratio = aspect(anisotropy)
-        tangent = tangent_of(block, workspace, args[6], given, number(block, workspace, args[5]))
-        roughness = stretch(closure, closure.alpha / ratio, closure.alpha * ratio, tangent)
-    cover(closure, thickness, number(block, workspace, args[8]))
-    if plain:
-        return roughness, NO_FILM
-    return roughness, smooth_albedo(block, closure, dot(vec(closure.normal), vec(surface_table(workspace)[0].wo)))
-
-
-@kernel
-def add_metallic(block, workspace, lobe, weight):
-    """Metallic BSDF by its colours."""
-    lobe, surface = lobe_table(block)[int(lobe)], surface_table(workspace)[0]
-    args = lobe.args
-    given = normal(block, workspace, args[3])
-    index = begin_metal(
-        workspace,
-        (weight, weight, weight),
-        specular_normal(surface, given),
-        saturate(number(block, workspace, args[2])),
-        saturated(vector(block, workspace, args[0])),
-        saturated(vector(block, workspace, args[1])),
-    )
-    if index >= 0:
-        roughness, smooth = _shape_metal(block, workspace, lobe, index, given)
-        finish_metal(block, workspace, lobe.features & MULTISCATTER != 0, index, roughness, smooth)
-    return 0.0
-
-
-@kernel
-def _mean_of_conductor(n, k):
-    """Approximate ∫ 2 μ F(μ) dμ: that of F82 with the same reflectance at normal incidence and at 82°."""
-    f0 = fresnel.conductor(1.0, n, k)
-    edge = fresnel.f82_edge_through(f0, fresnel.conductor(1.0 / 7.0, n, k))
-    return saturate(fresnel.f82_average(f0, edge))
-
-
-@kernel
-def add_conductor(block, workspace, lobe, weight):
-    """Metallic BSDF by its indices."""
-    lobe, surface = lobe_table(block)[int(lobe)], surface_table(workspace)[0]
-    args = lobe.args
-    given = normal(block, workspace, args[3])
-    index = begin_microfacet(
-        workspace,
-        (weight, weight, weight),
-        specular_normal(surface, given),
-        saturate(number(block, workspace, args[2])),
-        1.0,
-    )
-    if index < 0:
-        return 0.0
-    closure = closure_table(workspace)[index]
-    closure.fresnel = FRESNEL_CONDUCTOR
-    n, k = positive(vector(block, workspace, args[0])), positive(vector(block, workspace, args[1]))
-    put(closure.f0, n)
-    put(closure.edge, k)
-    roughness, smooth = _shape_metal(block, workspace, lobe, index, given)
-    e = energy.reflection_albedo(block, dot(vec(closure.normal), vec(surface.wo)), roughness)
-    if lobe.features & MULTISCATTER:
-        energy.compensate_reflection(
-            block,
-            closure,
-            e,
-            roughness,
-            (_mean_of_conductor(n[0], k[0]), _mean_of_conductor(n[1], k[1]), _mean_of_conductor(n[2], k[2])),
-        )
-    finish(workspace, index, scale(mul(vec(closure.weight), smooth), e))
-    return 0.0
-
-
 LOBES = {
     LOBE_ROUGH_GLOSSY: (add_glossy, (FACETS,)),
     LOBE_ROUGH_GLASS: (add_glass, (FACETS,)),
     LOBE_ROUGH_REFRACTION: (add_refraction, (FACETS,)),
-    LOBE_METALLIC: (add_metallic, (FACETS,)),
-    LOBE_CONDUCTOR: (add_conductor, (FACETS,)),
 }
 CLOSURES = (FACETS,)

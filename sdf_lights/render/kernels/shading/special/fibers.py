@@ -38,8 +38,8 @@ RIBBONS = int(Primitive.RIBBONS)
     AXIS,
 ) = range(18)
 
-# Absorption of the two melanins, each for a concentration of 1 (d'Eon et al. 2011, "An energy-conserving hair reflectance
-# model").
+# Absorption of the two melanins, each for a concentration of 1 (d'Eon et al. 2011, "An energy-conserving hair
+# reflectance model").
 _EUMELANIN, _PHEOMELANIN = (0.506, 0.841, 1.653), (0.343, 0.733, 1.924)
 
 

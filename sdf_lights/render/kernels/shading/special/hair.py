@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Hair BSDF: one lobe of reflection or of transmission by a thin fiber, after Marschner et al. 2003, "Light scattering from
-human hair fibers". A Cauchy distribution along the fiber, about the mirror direction; about it a cosine or another Cauchy
-distribution.
+"""Hair BSDF: one lobe of reflection or of transmission by a thin fiber, after Marschner et al. 2003, "Light scattering
+from human hair fibers". A Cauchy distribution along the fiber, about the mirror direction; about it a cosine or another
+Cauchy distribution.
 
 Fields of the closure: the tangent; alpha is the roughness along the fiber, a that around it, b the tilt of its scales.
 """
@@ -12,7 +12,7 @@ import math
 from .....jit import kernel
 from .....vec import add, cross, dot, frame, madd, normalize, put, scale, vec
 from ..closures import begin, finish, lobe_table, positive, specular_normal
-from ..material_compiler import NONE
+from ..material_records import NONE
 from ..operands import number, vector
 from ..records import GLOSSY, HAIR, TRANSMISSION, closure_table, surface_table
 from ..special_lobes import lobe_kind, option

@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Principled Hair by Huang, Hullin and Hanika 2022, "A microfacet-based hair scattering model": a fiber of rough glass with an
-elliptical cross-section. Light is reflected by it (R), crosses it (TT), is reflected inside once (TRT), or more often.
+"""Principled Hair by Huang, Hullin and Hanika 2022, "A microfacet-based hair scattering model": a fiber of rough glass
+with an elliptical cross-section. Light is reflected by it (R), crosses it (TT), is reflected inside once (TRT), or more
+often.
 
 The scattering of a fiber is an integral over the fiber, because a ray may hit it anywhere. For R it is a sum over the
 fiber. For the rest it is also over microfacets, which are drawn at random from the bits of the queried direction. So
@@ -22,7 +23,7 @@ from .....jit import kernel
 from .....vec import add, cross, dot, frame, length, luminance, madd, negate, normalize, put, scale, sub, to_world, vec
 from .. import energy, fresnel, microfacet
 from ..closures import add_transparency, begin, finish, lobe_table
-from ..material_compiler import NONE
+from ..material_records import NONE
 from ..operands import number, vector
 from ..records import GLOSSY, HUANG, TRANSMISSION, closure_table, surface_table
 from ..special_lobes import lobe_kind
@@ -394,7 +395,7 @@ def _value(block, closure, wo, wi):
     return madd(total, 0.5 * size * along(wo[1], cosine_o, wi[1], cosine_i, 4.0 * closure.alpha) / TWO_PI, more)
 
 
-# -- directions ---------------------------------------------------------------------------------------------------------
+# -- directions --------------------------------------------------------------------------------------------------------
 
 
 @kernel

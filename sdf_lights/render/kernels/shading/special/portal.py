@@ -9,7 +9,7 @@ Fields of the closure: f0 is the new position and the tangent the new direction.
 from .....jit import kernel
 from .....vec import dot, negate, normalize, put, put_sum, scale, vec
 from ..closures import begin, finish, lobe_table, positive
-from ..material_compiler import NONE
+from ..material_records import NONE
 from ..operands import vector
 from ..records import PORTAL, SINGULAR, THROUGH_PORTAL, TRANSPARENT, closure_table, surface_table
 from ..special_lobes import lobe_kind

@@ -25,7 +25,7 @@ from ..closures import (
     specular_normal,
 )
 from ..diffuse import cosine_hemisphere
-from ..material_compiler import (
+from ..material_records import (
     BASE_COLOR,
     DIFFUSE_ROUGHNESS,
     NORMAL,

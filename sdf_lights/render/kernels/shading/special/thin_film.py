@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Reflectance of a surface below a thin film with interference.
 
-Belcour and Barla 2017, "A practical extension to microfacet theory for the modeling of varying iridescence": Airy's sum over
-reflections inside the film, each seen through the Fourier transform of the eye's sensitivity (``tables/thin_film.py``).
+Belcour and Barla 2017, "A practical extension to microfacet theory for the modeling of varying iridescence": Airy's sum
+over reflections inside the film, each seen through the Fourier transform of the eye's sensitivity
+(``tables/thin_film.py``).
 """
 
 import math

@@ -22,7 +22,7 @@ from ..closures import (
     saturated,
     specular_normal,
 )
-from ..material_compiler import BASE_COLOR, IOR, NORMAL, ROUGHNESS, SPECULAR_TINT, THIN_FILM_IOR, THIN_FILM_THICKNESS
+from ..material_records import BASE_COLOR, IOR, NORMAL, ROUGHNESS, SPECULAR_TINT, THIN_FILM_IOR, THIN_FILM_THICKNESS
 from ..microfacet import is_singular
 from ..operands import normal, number, vector
 from ..records import FRESNEL_DIELECTRIC, GGX, SINGULAR, THIN_GLASS, TRANSMISSION, closure_table, surface_table

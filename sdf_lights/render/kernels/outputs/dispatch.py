@@ -10,7 +10,7 @@ from ....jit import call_part, kernel
 from .records import code_table
 
 # Indices of the addresses, which are 0 for passes that the film lacks.
-PLACES = CLEAR, LIGHT, DIVIDE, SURFACE, LEAVE, ADD, CATCH, RELEASE, BARE, VECTOR, BACKGROUND = range(11)
+PLACES = CLEAR, LIGHT, DIVIDE, SURFACE, MISS, ADD, CATCH, RELEASE, BARE, VECTOR, BACKGROUND = range(11)
 
 
 @kernel
@@ -38,9 +38,9 @@ def add_surface(block, workspace, first):
 
 
 @kernel
-def leave(block, workspace):
-    """See ``data.leave_scene``."""
-    call_part(code_table(block)[LEAVE], block, workspace, (0.0,), 1)
+def add_miss(block, workspace):
+    """See ``data.add_miss``."""
+    call_part(code_table(block)[MISS], block, workspace, (0.0,), 1)
 
 
 @kernel

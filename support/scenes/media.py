@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scenes with participating media, like those of ``scenes``."""
+"""Scenes with participating media, like those of ``SCENES``."""
 
 from __future__ import annotations
 
@@ -13,8 +13,9 @@ from sdf_lights.render.scene import Instance, Lamp, Scene, World
 from sdf_lights.sdf import shapes
 from sdf_lights.sdf.emission import EmissionExpression
 
-from . import scenes
-from .scenes import HEIGHT, WIDTH, add, look_at, material, rotation, scaling, torus_lamp, translation
+from .matrices import look_at, rotation, scaling, translation
+from .meshes import box, sphere
+from .room import GREY, HEIGHT, WIDTH, add, camera, diffuse, material, room, settings, torus_lamp
 
 CLEAR = Node("transparent", {"color": (1.0, 1.0, 1.0)})
 
@@ -22,12 +23,12 @@ CLEAR = Node("transparent", {"color": (1.0, 1.0, 1.0)})
 def smoke(width: int = WIDTH, height: int = HEIGHT) -> Scene:
     """Closed meshes, some of which overlap: coloured smoke around a lamp, a pane in it, absorbing glass, glowing gas,
     and smoke behind a surface that also scatters."""
-    scene = scenes.room(width, height, max_bounces=2, transparent_bounces=8)
-    scene.meshes.append(scenes.box("plain box"))
+    scene = room(width, height, max_bounces=2, transparent_bounces=8)
+    scene.meshes.append(box("plain box"))
     scene.meshes[3].slots = None
     puff = Medium((0.1, 0.3, 0.5), (Scattering((1.2, 0.9, 0.7), 0.5), Scattering((0.2, 0.2, 0.4), 0.0, 1.0)))
     add(scene, 2, translation(-0.7, 0.2, 1.7) @ scaling(0.9, 0.9, 0.9), Material("smoke", CLEAR, medium=puff))
-    add(scene, 0, translation(-0.5, 0.0, 1.2) @ rotation("x", 70) @ scaling(0.3, 0.3, 1), scenes.diffuse(scenes.GREY))
+    add(scene, 0, translation(-0.5, 0.0, 1.2) @ rotation("x", 70) @ scaling(0.3, 0.3, 1), diffuse(GREY))
     amber = Node("glass", {"color": (1.0, 1.0, 1.0), "roughness": 0.0, "ior": 1.3})
     add(
         scene,
@@ -55,7 +56,7 @@ def smoke(width: int = WIDTH, height: int = HEIGHT) -> Scene:
 
 def haze(width: int = WIDTH, height: int = HEIGHT) -> Scene:
     """The world is full of haze, under lamps, one of which varies, a spot light, a sun and a sky."""
-    scene = scenes.room(width, height, max_bounces=2)
+    scene = room(width, height, max_bounces=2)
     scene.world = World((0.3, 0.4, 0.6), 0.3)
     scene.world.medium = Medium((0.01, 0.02, 0.04), (Scattering((0.12, 0.1, 0.08), 0.6), Scattering((0.02,) * 3)))
     add(
@@ -83,10 +84,10 @@ def haze(width: int = WIDTH, height: int = HEIGHT) -> Scene:
 
 def fog_lamp(width: int = WIDTH, height: int = HEIGHT) -> Scene:
     """One lamp in fog, without surfaces."""
-    scene = Scene(scenes.camera((0, -5, 1.5), (0, 0, 1.6), width, height, 0.4), width, height)
+    scene = Scene(camera((0, -5, 1.5), (0, 0, 1.6), width, height, 0.4), width, height)
     scene.world = World((0.0, 0.0, 0.0), 0.0)
     scene.world.medium = Medium((0.02, 0.02, 0.05), (Scattering((0.3, 0.25, 0.2), 0.3),))
-    scene.settings = scenes.settings(max_bounces=1)
+    scene.settings = settings(max_bounces=1)
     scene.lamps.append(torus_lamp())
     return scene
 
@@ -94,8 +95,8 @@ def fog_lamp(width: int = WIDTH, height: int = HEIGHT) -> Scene:
 def submerged(width: int = WIDTH, height: int = HEIGHT) -> Scene:
     """The camera is inside a mesh that bounds a medium; the mesh is used twice, and mirrored. Balls with less
     absorption are cut out like air."""
-    scene = scenes.room(width, height, max_bounces=2)
-    scene.meshes.append(scenes.sphere("pool", 24, 12, smooth=False))
+    scene = room(width, height, max_bounces=2)
+    scene.meshes.append(sphere("pool", 24, 12, smooth=False))
     scene.materials.append(
         Material("water", CLEAR, medium=Medium((0.15, 0.05, 0.02), (Scattering((0.05, 0.06, 0.08), 0.7),)))
     )
@@ -111,9 +112,9 @@ def submerged(width: int = WIDTH, height: int = HEIGHT) -> Scene:
 
 def linked_media(width: int = WIDTH, height: int = HEIGHT) -> Scene:
     """A ball of smoke in a larger one, in fog; each of three lights lights only one of these media."""
-    scene = scenes.room(width, height, max_bounces=2)
+    scene = room(width, height, max_bounces=2)
     scene.world.medium = Medium((0.0, 0.0, 0.0), (Scattering((0.05, 0.05, 0.05), 0.3),))
-    scene.meshes.append(scenes.sphere("ball", 16, 8, smooth=False))
+    scene.meshes.append(sphere("ball", 16, 8, smooth=False))
     mesh = len(scene.meshes) - 1
     for name, size, scattering in (("core", 0.4, (0.9, 0.5, 0.3)), ("cloud", 0.9, (0.2, 0.4, 0.6))):
         scene.materials.append(Material(name, CLEAR, medium=Medium((0.1, 0.1, 0.1), (Scattering(scattering, 0.0),))))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Calls of the kernels for media. They are compiled separately, if a scene has any (``parts.py``). The path tracer
+"""Calls of the kernels for media. They are compiled separately, if a scene has any (``code_table.py``). The path tracer
 calls them by address, so it is neither larger nor slower to compile because of them.
 """
 

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Compiles kernels in advance: when a zip is built, and in processes beside a session.
 
-    python -m sdf_lights.render.cpu.ahead [--beside] [lamps|paths|parts …]
+    python -m sdf_lights.render.cpu.precompile [--beside] [lamps|paths|special …]
 
 compiles into the cache folder and prints its progress, each time a line such as «312 of 527», and «finished lamps».
 Without a name: all groups. ``--beside``: ends when its standard input closes.
@@ -24,15 +24,15 @@ from ...sdf.data import simplest
 from ...sdf.emission import EmissionExpression
 from ...sdf.shapes import SHAPES, Box, Difference, Sphere
 from ..film import Film
-from ..kernels.light_paths import parts as light_path_parts
+from ..kernels.light_paths import code_table as light_path_code
 from ..kernels.light_paths import trace, tree
-from ..kernels.media import parts as media_parts
-from ..kernels.outputs import parts as output_parts
+from ..kernels.media import code_table as media_code
+from ..kernels.outputs import code_table as output_code
 from ..kernels.packing import BLOCK
 from ..kernels.shading import special
 from ..kernels.shading.graphs import compile_calls
-from ..kernels.strands import parts as strand_parts
-from ..kernels.subsurface import parts as subsurface_parts
+from ..kernels.strands import code_table as strand_code
+from ..kernels.subsurface import code_table as subsurface_code
 from ..kernels.workspace import WORKSPACE
 from ..material import Material, Node
 from ..nodes import common
@@ -93,18 +93,18 @@ def _paths() -> tuple[list, Callable[[], None]]:
     return [render_tile], run
 
 
-def _parts() -> tuple[list, Callable[[], None]]:
+def _special() -> tuple[list, Callable[[], None]]:
     """Kernels of special scenes: lamps of data, textures, media, subsurface scattering, hair, special closures,
     passes."""
     from ...emitter import build_lamp
 
     records = BLOCK, WORKSPACE
     kernels = [
-        *light_path_parts.KERNELS.values(),
+        *light_path_code.KERNELS.values(),
         *(tree.build, tree.place, trace.trace_light_paths, trace.find_pilots, trace.dim_unseen),
-        *(kernel for kernel, _ in media_parts.KERNELS.values()),
-        *subsurface_parts.KERNELS.values(),
-        *(kernel for _, kernel, _ in output_parts.KERNELS.values()),
+        *(kernel for kernel, _ in media_code.KERNELS.values()),
+        *subsurface_code.KERNELS.values(),
+        *(kernel for _, kernel, _ in output_code.KERNELS.values()),
         *special.kernels(),
         *(function.kernel for function, _ in common.calls()),
         *(part.kernel for each in simplest.FUNCTIONS for part in (each, each.bounds) if part is not None),
@@ -115,10 +115,10 @@ def _parts() -> tuple[list, Callable[[], None]]:
             build_lamp("Lamp", shape, np.eye(4))
         compile_calls(common.calls(), records)
         special.compile_all(records)
-        media_parts.addresses(True, records)
-        subsurface_parts.addresses(True, records)
-        strand_parts.addresses(True, records)
-        output_parts.compile_all(records)
+        media_code.addresses(True, records)
+        subsurface_code.addresses(True, records)
+        strand_code.addresses(True, records)
+        output_code.compile_all(records)
         scene = _scene()
         packed = PackedScene(scene, Film(scene, ()))
         LightPaths(scene, packed, [Workspace(packed)]).use(0)
@@ -129,7 +129,7 @@ def _parts() -> tuple[list, Callable[[], None]]:
 GROUPS: dict[str, Callable[[], tuple[list, Callable[[], None]]]] = {
     "paths": _paths,
     "lamps": _lamps,
-    "parts": _parts,
+    "special": _special,
 }
 
 

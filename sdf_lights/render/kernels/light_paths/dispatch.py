@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Calls of connections to light paths, which are compiled apart, as ``media.apart`` is."""
+"""Calls of connections to light paths, which are compiled separately, as in ``media.dispatch``."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scenes with curves and spheres, like those of ``scenes``."""
+"""Scenes with curves and spheres, like those of ``SCENES``."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from sdf_lights.render.material import Material, Node
 from sdf_lights.render.nodes.lookups import POINT_INFO, STRAND_INFO
 from sdf_lights.render.scene import Instance, Mesh, Primitive, Scene, Shutter, World
 
-from . import scenes
-from .scenes import HEIGHT, WIDTH, look_at, rotation, scaling, torus_lamp, translation
+from .matrices import look_at, rotation, scaling, translation
+from .room import HEIGHT, WIDTH, room, torus_lamp
 
 
 def tuft(primitive: Primitive, curves: int = 24, points: int = 6, radius: float = 0.03) -> Mesh:
@@ -43,7 +43,7 @@ def tuft(primitive: Primitive, curves: int = 24, points: int = 6, radius: float 
 
 def fur(width: int = WIDTH, height: int = HEIGHT, kinds: tuple[Primitive, ...] = tuple(Primitive)[1:]) -> Scene:
     """Tufts of all kinds, each placed once, and the same once more, scaled unevenly; some are half clear."""
-    scene = scenes.room(width, height, max_bounces=2, transparent_bounces=8)
+    scene = room(width, height, max_bounces=2, transparent_bounces=8)
     scene.world = World((0.3, 0.4, 0.6), 0.3)
     half = Node("transparent", {"color": (0.9, 0.7, 0.5)})
     brown = Node("diffuse", {"color": (0.5, 0.3, 0.2)})

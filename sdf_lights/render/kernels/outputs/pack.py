@@ -1,10 +1,8 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The data that a film's passes need of kernels: addresses, indices and scalars."""
+"""The tables and scalars that a film's passes need of kernels, but for the code of kernels (``code_table.py``)."""
 
 from __future__ import annotations
-
-from collections.abc import Callable
 
 import numpy as np
 
@@ -14,25 +12,9 @@ from ...material import UV
 from ...passes import BY_NAME, DATA_SUMS, LIGHT_SUMS, Rule, aov_sources, light_group_pass
 from ...passes import MATTES as MATTES_BY_KIND
 from ...scene import Emitter, Scene
-from .. import callable_parts
-from . import apart, catchers, data, light, sums, vectors
+from . import vectors
 from .records import CATCHERS, DATA, INSTANCE_MATTE, LIGHT, LOBES, MATTES, MOST_HITS, VECTORS
 from .state import LIGHT_RAY
-
-# For each index of the table of code: the bits of ``outputs`` that need it, the kernel, and its number of arguments.
-KERNELS: dict[int, tuple[int, Callable, int]] = {
-    apart.CLEAR: (LIGHT | DATA, sums.clear, 1),
-    apart.ADD: (LIGHT | DATA, sums.add_sample, 1),
-    apart.LIGHT: (LIGHT, light.add_light, 5),
-    apart.DIVIDE: (LOBES, light.divide, 6),
-    apart.SURFACE: (DATA, data.add_surface, 1),
-    apart.LEAVE: (DATA, data.leave_scene, 1),
-    apart.CATCH: (CATCHERS, catchers.catch, 1),
-    apart.RELEASE: (CATCHERS, catchers.release, 1),
-    apart.BARE: (CATCHERS, catchers.add_bare, 1),
-    apart.VECTOR: (VECTORS, vectors.add_vector, 1),
-    apart.BACKGROUND: (VECTORS, vectors.add_background_vector, 1),
-}
 
 
 def bits_of(film: Film) -> int:
@@ -42,23 +24,7 @@ def bits_of(film: Film) -> int:
     return bits | (DATA | MATTES) * bool(film.matte_places) | DATA * bool(film.data_places)
 
 
-def addresses(film: Film, records: tuple) -> np.ndarray:
-    """The table "output_code" for the passes of ``film``, for blocks and workspaces of these ``records``. The kernels
-    are compiled first and kept for ever."""
-    return _addresses(bits_of(film), records)
-
-
-def compile_all(records: tuple) -> None:
-    """Compile all kernels here in advance."""
-    _addresses(~0, records)
-
-
-def _addresses(bits: int, records: tuple) -> np.ndarray:
-    needed = {place: (kernel, count) for place, (some, kernel, count) in KERNELS.items() if bits & some}
-    return callable_parts.addresses(needed, len(apart.PLACES), records)
-
-
-def pack(
+def pack_outputs(
     scene: Scene, film: Film, emitters: list[Emitter], instances: np.ndarray
 ) -> tuple[dict[str, np.ndarray], dict[str, float]]:
     """Tables, except that of code, and scalars for the passes of ``film``. ``emitters`` are lamps, lights and the

@@ -16,8 +16,8 @@ from ...replaced import replaced_on_gpu
 from ...vec import cross, dot, madd, sub, vec
 from .rays import NONE, OFFSET, ray_table
 
-# RTCFilterFunctionNArguments (rtcore_geometry.h): addresses, and how many rays there are. A table has its length after its
-# address, which is never asked for here: the number of rays stands in for all.
+# RTCFilterFunctionNArguments (rtcore_geometry.h): addresses, and how many rays there are. A table has its length after
+# its address, which is never asked for here: the number of rays stands in for all.
 _TABLES = ("valid", "shape", "context", "ray", "hit")
 ARGUMENTS = np.dtype(
     {
@@ -38,15 +38,16 @@ _strand_of = table("strand_of", np.int32)
 _callbacks: list[Callback] = []
 
 _INSTANCES_APART = 0x9E3779B1  # 2^32 over the golden ratio
-# A triangle's point is this many roundings of Embree's numbers or more from its edges, or the origin of a ray is offset.
+# A triangle's point is this many roundings of Embree's numbers or more from its edges, or the origin of a ray is
+# offset.
 _ROUNDINGS = 8.0
 
 
 @replaced_on_gpu
 @kernel
 def number_of(instance, primitive):
-    """A number of 32 bits for a triangle, curve or sphere of an instance. Those of instances are far apart, so two are hardly ever
-    the same."""
+    """A number of 32 bits for a triangle, curve or sphere of an instance. Those of instances are far apart, so two are
+    hardly ever the same."""
     return (instance * _INSTANCES_APART + primitive + 1) & NONE
 
 
@@ -99,8 +100,8 @@ def offset_ray_origin(position, ng, direction):
 
 @kernel
 def spawn_ray(workspace, surface, direction):
-    """The origin (world space) of a ray from a surface along ``direction``: see ``exact_origin``. The triangle, curve or
-    sphere of the surface becomes the self primitive of the next rays."""
+    """The origin (world space) of a ray from a surface along ``direction``: see ``exact_origin``. The triangle, curve
+    or sphere of the surface becomes the self primitive of the next rays."""
     ray_table(workspace)[0].id = surface.number
     position = vec(surface.position)
     return position if surface.exact_origin else offset_ray_origin(position, vec(surface.ng), direction)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Calls of the kernels for subsurface scattering, which are compiled separately, as in ``media.apart``."""
+"""Calls of the kernels for subsurface scattering, which are compiled separately, as in ``media.dispatch``."""
 
 from __future__ import annotations
 

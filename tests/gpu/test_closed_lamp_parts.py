@@ -9,14 +9,16 @@ from sdf_lights import jit
 from sdf_lights.emitter.intersection.intervals import _combine, regularize, rows_needed, solve
 from sdf_lights.emitter.lamps import LAMP
 from sdf_lights.jit import block_dtype, fill_table, kernel
-from sdf_lights.render.gpu import parts
+from sdf_lights.render.gpu import closed_lamp_parts
 from sdf_lights.sdf.expression import Expression
 from sdf_lights.sdf.program import INSTRUCTION, Op
 from tests.gpu.test_session import balls
 
 pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installed")
 
-BLOCK = block_dtype({"lamp_instructions": INSTRUCTION, "lamp_fields": parts.FIELD, "lamp_parts": parts.PART})
+BLOCK = block_dtype(
+    {"lamp_instructions": INSTRUCTION, "lamp_fields": closed_lamp_parts.FIELD, "lamp_parts": closed_lamp_parts.PART}
+)
 SHAPES = {
     "balls": f"union({balls(12)})",
     "kinds": "union(translate(box(0.2, 0.1, 0.3), -1, 0, 0), rotate_x(torus(0.3, 0.1), 40),"
@@ -37,7 +39,7 @@ def _both(blocks, row, program, origins, directions, spans):
         d = (directions[i, 0], directions[i, 1], directions[i, 2])
         count = regularize(spans, solve(program, o, d, spans), 1e-10)
         first[:count] = spans[:count]
-        more = regularize(spans, parts.solve_all(blocks[0], row[0], o, d, spans), 1e-10)
+        more = regularize(spans, closed_lamp_parts.solve_all(blocks[0], row[0], o, d, spans), 1e-10)
         second[:more] = spans[:more]
         crossed += count > 0
         same = count == more
@@ -50,9 +52,9 @@ def _both(blocks, row, program, origins, directions, spans):
 @pytest.mark.parametrize("name", SHAPES)
 def test_parts_give_what_the_whole_does(name):
     program = Expression(SHAPES[name]).shape().program()
-    found = parts.parts_of(program)
-    assert len(found) >= parts.MANY and found["count"].sum() + len(found) - 1 == len(program)
-    block, row, field = np.zeros(1, BLOCK), np.zeros(1, LAMP), np.zeros(1, parts.FIELD)
+    found = closed_lamp_parts.parts_of(program)
+    assert len(found) >= closed_lamp_parts.MANY and found["count"].sum() + len(found) - 1 == len(program)
+    block, row, field = np.zeros(1, BLOCK), np.zeros(1, LAMP), np.zeros(1, closed_lamp_parts.FIELD)
     field["part_count"], row["instruction_count"], row["rows"] = len(found), len(program), rows_needed(program)[0]
     for table, array in (("lamp_instructions", program), ("lamp_fields", field), ("lamp_parts", found)):
         fill_table(block, table, array)
@@ -63,7 +65,7 @@ def test_parts_give_what_the_whole_does(name):
 
 
 def test_few_parts_have_no_boxes():
-    assert len(parts.parts_of(Expression("sphere(0.5) | box(0.3)").shape().program())) == 0
+    assert len(closed_lamp_parts.parts_of(Expression("sphere(0.5) | box(0.3)").shape().program())) == 0
 
 
 @kernel
@@ -74,7 +76,7 @@ def _combined(a, b, op, looped, direct):
             rows[2], rows[3] = a[i], b[i]
         first, second = int(a[i, 0] < a[i, 1]), int(b[i, 0] < b[i, 1])
         counts[i, 0] = _combine(looped, 2, first, 3, second, op, 0)
-        counts[i, 1] = parts.combine_two(direct, 2, first, 3, second, op, 0)
+        counts[i, 1] = closed_lamp_parts.combine_two(direct, 2, first, 3, second, op, 0)
         for k in range(counts[i, 0]):
             if abs(looped[k, 0] - direct[k, 0]) > 0.0 or abs(looped[k, 1] - direct[k, 1]) > 0.0:
                 counts[i, 1] = -1

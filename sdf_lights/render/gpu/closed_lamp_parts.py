@@ -65,7 +65,7 @@ def _together(op: Op, a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def parts_of(program: np.ndarray) -> np.ndarray:
-    """``PART`` of each operand of the last unions in a program; none if there are few."""
+    """``PART`` (operands,) of each operand of the last unions in a program (instructions,); none if there are few."""
     stack: list[list[tuple]] = []  # of each set the parts: first instruction, number, box
     for index, row in enumerate(program):
         if row["arity"] == 0:
@@ -146,8 +146,8 @@ def combine_two(spans, first, count_first, second, count_second, op, out):
 
 
 def rows_written_out(program: np.ndarray) -> tuple[int, list[tuple[int, int]]]:
-    """Rows of ``spans`` for an unrolled program, and for each instruction its first row and maximum number of
-    intervals."""
+    """Rows of ``spans`` for an unrolled program (instructions,), and for each instruction its first row and maximum
+    number of intervals."""
     places, stack, used = [], [], 0
     for index, row in enumerate(program):
         if row["arity"] == 0:

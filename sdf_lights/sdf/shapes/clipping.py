@@ -24,7 +24,8 @@ def placed(matrix: np.ndarray | None, x: float = 0.0, y: float = 0.0, z: float =
 
 
 def half_space(matrix: np.ndarray | None, normal, offset: float = 0.0) -> np.ndarray:
-    """Program of {x : normal · x ≤ offset}; the normal need not have unit length."""
+    """Program (instructions,), transformed by ``matrix`` (4 × 4), of {x : normal · x ≤ offset}; the normal need not
+    have unit length."""
     normal = np.asarray(normal, np.float64)
     length = np.linalg.norm(normal)
     axis = normal / length
@@ -44,14 +45,16 @@ def polyhedron(matrix: np.ndarray | None, normals, offsets) -> np.ndarray:
 
 
 def sector(matrix: np.ndarray | None, angle: float) -> np.ndarray:
-    """Program of the points less than angle/2 around the z axis from the half plane of positive x."""
+    """Program, transformed by ``matrix`` (4 × 4), of the points less than angle/2 (radians) around the z axis from the
+    half plane of positive x."""
     sine, cosine = math.sin(0.5 * angle), math.cos(0.5 * angle)
     sides = [half_space(matrix, (-sine, cosine, 0.0)), half_space(matrix, (-sine, -cosine, 0.0))]
     return combine(Op.INTERSECTION if angle <= math.pi else Op.UNION, sides)
 
 
 def within_cone(body: np.ndarray, matrix: np.ndarray | None, angle: float, reach: float) -> np.ndarray:
-    """Program of the part of ``body``, itself a program, that is less than angle/2 away from the positive z axis.
+    """Program, transformed by ``matrix`` (4 × 4), of the part of ``body``, itself a program, that is less than angle/2
+    (radians) away from the positive z axis.
 
     The body must lie within ``reach`` of the origin.
     """
