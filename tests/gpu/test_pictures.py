@@ -130,9 +130,11 @@ def _glows(surface) -> bool:
 
 
 def compare(name: str) -> None:
-    cpu, gpu = both(name, LampSampling.MIS)
+    # Where along a curve a ray meets it, Embree and the GPU know to 0.001: see the test of each kind of hair.
+    passes = tuple(item for item in PASSES if item != "Position" or name not in strands.STRAND_SCENES)
+    cpu, gpu = both(name, LampSampling.MIS, passes=passes)
     failures = differences(cpu, gpu)
-    for item in PASSES:
+    for item in passes:
         # Emitters are chosen in another way. Where there is one alone, a sample in a hundred may differ, not more.
         if several(name):
             continue
@@ -188,10 +190,11 @@ LOBES = tuple(
 DATA = "Mist", "UV", "Object Index", "Material Index", "Vector"
 
 
+@pytest.mark.slow
 def test_parts_of_the_light_and_properties_of_surfaces():
     """Lobes, light groups, passes of lights, Cryptomatte, AOVs and numbers of objects, sample by sample."""
 
-    def make() -> scenes.Scene:
+    def make() -> Scene:
         scene = scenes.torus_room(16, 16)
         scene.lamps[0].light_group, scene.lamps[0].own_pass = "lamps", "Ring"
         glass = Node("glass", {"color": (0.9, 0.95, 1.0), "roughness": 0.3})
@@ -276,7 +279,7 @@ def compare_samples(
 def test_emission_that_traces_rays():
     """The floor glows where nothing is near it. Only scattered rays find its light, so one emitter is sampled."""
 
-    def make() -> scenes.Scene:
+    def make() -> Scene:
         scene, graph = scenes.torus_room(16, 16), scenes.Graph()
         glow = graph.material("open", Node("emission", {"color": graph.occlusion(scenes.WHITE, 1.5), "strength": 0.5}))
         scene.materials.append(dataclasses.replace(glow, sample_emission=False))
@@ -310,6 +313,7 @@ def test_rays_meet_each_kind_of_hair_where_embree_does(kind):
     compare_samples(lambda: strands.fur(24, 18, (kind,)), ("Position",), 0.001)
 
 
+@pytest.mark.slow
 def test_lamp_in_fog():
     compare("fog_lamp")
 

@@ -8,6 +8,7 @@ from collections import OrderedDict
 import numpy as np
 import pytest
 
+from sdf_lights import kernel_cache
 from sdf_lights.graph import codegen_native, native_emission
 from sdf_lights.graph import formula as f
 from sdf_lights.graph.folding import Folding
@@ -68,6 +69,7 @@ def test_damaged_code_is_made_again(start, tmp_path):
     path.write_bytes(path.read_bytes()[:-9] + b"elsewhere")
     np.testing.assert_array_equal(codegen_native.evaluate(f.exp(x) + k, POINTS, [2.0]), first)
     assert start() == 1
+    assert str(path.parent) in kernel_cache.refused()
 
 
 def _at_surface(formula: f.Formula, places: dict, point: np.ndarray) -> float:

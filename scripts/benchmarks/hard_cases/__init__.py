@@ -41,7 +41,7 @@ class Case:
 
     @property
     def about(self) -> str:
-        return self.measure.__doc__
+        return " ".join((self.measure.__doc__ or "").split())
 
     @property
     def kind(self) -> str:

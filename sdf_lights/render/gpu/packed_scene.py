@@ -21,7 +21,7 @@ from ..kernels.media import code_table as media_code
 from ..kernels.media import pack as media
 from ..kernels.outputs import code_table as output_code
 from ..kernels.outputs import dispatch as outputs
-from ..kernels.outputs.pack import pack_outputs, workspace_counts
+from ..kernels.outputs.pack import bits_of, pack_outputs, workspace_counts
 from ..kernels.outputs.records import DATA
 from ..kernels.packing import build_lamps, emissive_triangles, emitter_tables, instance_boxes, integrator_scalars
 from ..kernels.shading.material_records import LOBE_PRINCIPLED
@@ -498,7 +498,7 @@ def film_places(film: Film) -> tuple[dict[str, int], int]:
 
 def has_outputs(film: Film) -> bool:
     """Whether a film has passes beside ``film.CHANNELS``."""
-    return bool(output_code.bits_of(film))
+    return bool(bits_of(film))
 
 
 def glsl(name: str) -> str:

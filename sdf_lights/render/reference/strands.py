@@ -49,8 +49,8 @@ class Strands:
         return result
 
     def surface(self, hits: Hits, wo: np.ndarray) -> dict[str, np.ndarray]:
-        """Fields of ``geometry.Surface`` at hits of curves and spheres, with normals that do not face the viewer
-        yet."""
+        """Fields (N, ...) of ``geometry.Surface`` at hits of curves and spheres, seen along ``wo`` (N, 3), with normals
+        that do not face the viewer yet."""
         count = len(wo)
         position, tangent, normal = hits.point, np.zeros((count, 3)), np.zeros((count, 3))
         u, v = hits.u.copy(), np.zeros(count)
