@@ -106,3 +106,38 @@ def test_a_volume_in_a_smooth_opaque_box_is_not_seen(render, corner, add, materi
     ours, theirs = render(64)
     same(ours, theirs)
     same(ours, plain)
+
+
+def test_a_sun_without_shadows_shines_through_fog(file, render, corner, add):
+    corner()
+    sun = bpy.data.lights.new("Sun", "SUN")
+    sun.energy, sun.use_shadow = 3.0, False
+    add("Sun", sun, rotation=(0.5, 0.3, 0.0))
+    world = file.scene.world = bpy.data.worlds.new("World")
+    use_nodes(world)
+    tree = node_tree_of(world)
+    tree.nodes.clear()
+    volume, output = tree.nodes.new("ShaderNodeVolumeScatter"), tree.nodes.new("ShaderNodeOutputWorld")
+    volume.inputs["Density"].default_value = 0.05
+    tree.links.new(volume.outputs[0], output.inputs["Volume"])
+    same(*render(256))
+
+
+@pytest.mark.parametrize("seen", ["visible_diffuse", "visible_glossy"])
+def test_velvet_is_glossy_to_lights(render, corner, add, material, seen):
+    light = area(add)
+    made, tree, surface = material()
+    sheen = tree.nodes.new("ShaderNodeBsdfSheen")
+    sheen.distribution = "ASHIKHMIN"
+    tree.links.new(sheen.outputs[0], surface)
+    mesh = cube()
+    mesh.materials.append(made)
+    add("Box", mesh, rotation=(0.5, 0.0, 0.6))
+    obj = next(each for each in bpy.data.objects if each.data == light)
+    obj.visible_camera = False
+    setattr(obj, seen, False)
+    ours, theirs = render(256)
+    if seen == "visible_diffuse":
+        same(ours, theirs, most=0.02)
+    else:
+        assert ours[..., :3].max() < 1e-2
