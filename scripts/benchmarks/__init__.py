@@ -33,6 +33,7 @@ NAMES = (
     "viewport",
     "nodes",
     "files",
+    "fuzz",
     "scenes",
     "allocation",
     "indirect",
