@@ -99,11 +99,9 @@ def _displaced(
 def _surface(places: Placed, triangles: np.ndarray, corners: np.ndarray, vertices: np.ndarray) -> Surface:
     """The surface of the only mesh at these corners of triangles, with smooth normals and no viewer."""
     mesh = places.scene.meshes[0]
-    nowhere = np.zeros(len(triangles), int)
-    surface = places.surface(
-        Hits(np.zeros(len(triangles)), nowhere, triangles, (corners == 1).astype(float), (corners == 2).astype(float)),
-        np.zeros((len(triangles), 3)),
-    )
+    count = len(triangles)
+    u, v, points = (corners == 1).astype(float), (corners == 2).astype(float), np.zeros((count, 3))
+    surface = places.surface(Hits(np.zeros(count), np.zeros(count, int), triangles, u, v, points), np.zeros((count, 3)))
     if mesh.normals is None:
         normals = _vertex_normals(mesh.positions, mesh.triangles, by_angle=True)[vertices] @ places.normal_matrices[0].T
         length = np.linalg.norm(normals, axis=1, keepdims=True)
