@@ -58,12 +58,6 @@ def alpha_threshold(file, **_):
     file.layer.use_pass_normal, file.layer.pass_alpha_threshold = True, 0.2
 
 
-def opaque_shadows(floor, **_):
-    made = bpy.data.materials.new("Gauze")
-    made.use_transparent_shadow = False
-    floor.data.materials.append(made)
-
-
 def uncorrected_bumps(floor, **_):
     made = bpy.data.materials.new("Rind")
     made.cycles.use_bump_map_correction = False
@@ -110,7 +104,6 @@ CASES = {
     world_aovs: ("World", "'Sky'", "Mask"),
     glowing_volume_in_a_group: ("Objects", "'Floor'", "'Key'"),
     alpha_threshold: ("View Layers", "Alpha Threshold"),
-    opaque_shadows: ("Materials", "'Gauze'", "Transparent Shadows"),
     uncorrected_bumps: ("Materials", "'Rind'", "Bump Map Correction"),
     light_beside_catchers: ("Scene", "Bulb", "shadow catchers"),
     custom_camera: ("Camera", "'Camera'", "perspective"),

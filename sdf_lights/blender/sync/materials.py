@@ -89,7 +89,8 @@ class Materials:
                     surface, moved, None if method == "BUMP" else reader.parametric(UNDISPLACED)
                 )
         medium = medium_of(reader, output, owner, self._warn)
-        if surface is None and reader.resolve(output.inputs["Volume"])[0] is not None:
+        bounds = reader.resolve(output.inputs["Volume"])[0] is not None
+        if surface is None and bounds:
             surface = Node("transparent")  # the surface only bounds a volume
         return Material(
             material.name,
@@ -102,4 +103,5 @@ class Materials:
             normal,
             material.pass_index,
             self._aovs(tree, reader),
+            material.use_transparent_shadow or bounds,  # as in Cycles
         )

@@ -151,11 +151,6 @@ def materials(asked: Asked) -> Iterator[str]:
     """Settings of materials."""
     used = {slot.material for obj in asked.objects for slot in obj.material_slots if slot.material is not None}
     for material in sorted((each.original for each in used), key=lambda each: each.name):
-        if not material.use_transparent_shadow:
-            yield (
-                f"Material '{material.name}': its transparent parts always let light through; switch its Transparent "
-                "Shadows on in Cycles to compare."
-            )
         if not _cycles(material, "use_bump_map_correction", True):
             yield (
                 f"Material '{material.name}': bumps always darken where they face away from the surface; switch its Bump "

@@ -70,6 +70,7 @@ class Integrator:
             channel,
             np.zeros(count, int),
             np.full(count, NONE),
+            np.zeros(count, bool),
         )
         while len(paths.sample):
             if stop():
@@ -186,6 +187,7 @@ class Integrator:
             least_pdf=np.minimum(paths.least_pdf, pdf),
             light_set=self.data.media.light_set(paths.inside),
             left=np.full(len(rows), NONE),
+            stopped=np.zeros(len(rows), bool),
         )
 
     def _meet(self, paths: Paths, hits: Hits, end: np.ndarray, samples: Samples, rng: np.random.Generator) -> Paths:
@@ -282,6 +284,7 @@ class Integrator:
         alive &= rng.random(len(survival)) < survival
         throughput = throughput / survival[:, None]
         direction = np.where(straight[:, None], paths.direction, wi)
+        material = self.data.geometry.material(surface.instance, surface.triangle)
         away = through & (((shading.exit - surface.position) ** 2).sum(1) > 1e-9)
         start = np.where(
             away[:, None], shading.exit, self.data.geometry.offset(surface.position, surface.ng, direction)
@@ -305,4 +308,5 @@ class Integrator:
             paths.channel,
             paths.volume,
             surface.number,
+            passes & (paths.stopped | self.data.materials.stops[material]),
         ).select(alive)

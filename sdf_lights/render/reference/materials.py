@@ -179,7 +179,9 @@ class Materials:
         self.materials = scene.materials or [Material("Default", Node("diffuse"))]
         self.graphs = [Graph(material) for material in self.materials]
         self.emissive = np.array([m.sample_emission and _may_emit(g) for m, g in zip(self.materials, self.graphs)])
-        self.clear = np.array([_may_pass(graph) for graph in self.graphs])
+        passable = np.array([_may_pass(graph) for graph in self.graphs])
+        opens = np.array([material.transparent_shadows for material in self.materials])
+        self.clear, self.stops = passable & opens, passable & ~opens
 
     def _groups(self, surface: Surface):
         material = self.geometry.material(surface.instance, surface.triangle)

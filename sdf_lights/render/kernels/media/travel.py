@@ -140,6 +140,6 @@ def scatter(block, workspace, unused):
     path.t_min, path.t_max, path.near = 0.0, np.inf, 0.0
     path.pdf, path.glossy_pdf = density, 0.0
     path.least_pdf = min(path.least_pdf, density)
-    path.two_sided, path.has_glossy, path.in_medium = 1, 0, 1
+    path.two_sided, path.has_glossy, path.in_medium, path.stopped = 1, 0, 1, 0
     path.kind, path.light_tree = VOLUME, receiver(block, inside)
     return 1.0

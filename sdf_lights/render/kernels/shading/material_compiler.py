@@ -53,7 +53,16 @@ from .material_records import (
     WITH_SHEEN,
     WITH_TRANSMISSION,
 )
-from .records import BENDS_EXITS, CLOSURES, HAS_EMISSION, HAS_SURFACE, HAS_TRANSPARENCY, NEGLIGIBLE, REGISTERS
+from .records import (
+    BENDS_EXITS,
+    CLOSURES,
+    HAS_EMISSION,
+    HAS_SURFACE,
+    HAS_TRANSPARENCY,
+    NEGLIGIBLE,
+    REGISTERS,
+    STOPS_LIGHT_RAYS,
+)
 
 THIRDS = Vector(*[constant(1.0 / 3.0)] * 3)
 
@@ -204,6 +213,8 @@ class _SceneCompiler:
             flags |= program.flags | needs(program.roots, shadow)
             flags |= BENDS_EXITS if material.normal is not None else 0
             emission = np.maximum(emission, program.emission)
+        if flags & HAS_TRANSPARENCY and not material.transparent_shadows:
+            flags ^= HAS_TRANSPARENCY | STOPS_LIGHT_RAYS
         record["flags"], record["emission"] = flags, emission
 
     def compile_emission(self, material: Material | None, record) -> None:
