@@ -158,7 +158,8 @@ class Material:
     slots of its formulas: numbers, or an ``Attribute``, a ``Table`` or a ``Texture`` that a function looks up; the slot
     then holds its index.
 
-    Without ``transparent_shadows``, rays towards lights do not pass its transparent parts.
+    Without ``transparent_shadows``, rays towards lights do not pass its transparent parts. Without ``bump_correction``,
+    bumps do not darken near the horizon of the surface, and normals that mirror the view into it stay.
     """
 
     name: str
@@ -172,6 +173,7 @@ class Material:
     index: int = 0
     aovs: dict[str, Formula | Vector] = field(default_factory=dict)
     transparent_shadows: bool = True
+    bump_correction: bool = True
 
 
 def attributes_of(materials: Iterable[Material], others: Iterable[Attribute] = ()) -> list[Attribute]:

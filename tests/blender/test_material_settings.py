@@ -15,7 +15,7 @@ def same(file, render):
 
     def run(samples: int) -> np.ndarray:
         scene = file.scene
-        scene.cycles.max_bounces, scene.cycles.caustics_reflective = 3, False
+        scene.cycles.caustics_reflective = False
         ours, theirs = render(samples)
         print(f"means {ours.mean((0, 1))}, those of Cycles {theirs.mean((0, 1))}")
         assert ours.mean((0, 1)) == pytest.approx(theirs.mean((0, 1)), rel=0.01, abs=1e-4)
@@ -80,6 +80,42 @@ def test_transparent_shadows(sheet, same, add, file, lit):
         light(add, "AREA", (0.0, 0.0, 2.2), 60.0, size=1.6)
     else:
         sky(file, lit != "sky")
+    file.scene.cycles.max_bounces = 3
     clear = same(256)
     made.use_transparent_shadow = False
     assert (same(512).mean((0, 1)) < (1.01 if lit == "sky" else 0.97) * clear.mean((0, 1)))[:3].all()
+
+
+@pytest.mark.parametrize("roughness", [0.5, 1.0])
+def test_bump_map_correction(sheet, same, add, file, roughness):
+    """Without it, bumps are brighter where light grazes the surface. Glossy ones keep normals that mirror the view into
+    the surface."""
+    made, node = sheet
+    tree = made.node_tree
+    place, noise = tree.nodes.new("ShaderNodeNewGeometry"), tree.nodes.new("ShaderNodeTexNoise")
+    centred, tilted = (tree.nodes.new("ShaderNodeVectorMath") for _ in range(2))
+    noise.inputs["Scale"].default_value = 1.5
+    centred.operation, centred.inputs[1].default_value = "MULTIPLY_ADD", (4.0, 4.0, 2.0)
+    centred.inputs[2].default_value = (-2.0, -2.0, -1.0)
+    for source, socket in (
+        (place.outputs["Position"], noise.inputs["Vector"]),
+        (noise.outputs["Color"], centred.inputs[0]),
+        (centred.outputs[0], tilted.inputs[0]),
+        (place.outputs["Normal"], tilted.inputs[1]),
+        (tilted.outputs[0], node.inputs["Normal"]),
+    ):
+        tree.links.new(source, socket)
+    node.inputs["Roughness"].default_value = roughness
+    if roughness < 1.0:
+        node.inputs["Metallic"].default_value = 1.0
+    else:
+        node.inputs["Specular IOR Level"].default_value = 0.0
+    bpy.data.objects["Floor"].data.materials[0] = made
+    bpy.data.objects["Mirror"].hide_render = True
+    file.scene.cycles.max_bounces = 1
+    light(add, "AREA", (-2.0, -1.0, 2.6), 150.0, size=2.0)
+    light(add, "AREA", (2.5, -2.5, 0.6), 150.0, size=0.5)
+    bpy.data.objects["Area.001"].rotation_euler = 1.4, 0.0, 0.8
+    corrected = same(512)
+    made.cycles.use_bump_map_correction = False
+    assert np.abs(same(512).mean((0, 1)) / corrected.mean((0, 1)) - 1.0)[:3].min() > 0.02

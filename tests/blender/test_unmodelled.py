@@ -58,12 +58,6 @@ def alpha_threshold(file, **_):
     file.layer.use_pass_normal, file.layer.pass_alpha_threshold = True, 0.2
 
 
-def uncorrected_bumps(floor, **_):
-    made = bpy.data.materials.new("Rind")
-    made.cycles.use_bump_map_correction = False
-    floor.data.materials.append(made)
-
-
 def light_beside_catchers(floor, light, **_):
     floor.is_shadow_catcher, light.is_shadow_catcher = True, False
 
@@ -104,7 +98,6 @@ CASES = {
     world_aovs: ("World", "'Sky'", "Mask"),
     glowing_volume_in_a_group: ("Objects", "'Floor'", "'Key'"),
     alpha_threshold: ("View Layers", "Alpha Threshold"),
-    uncorrected_bumps: ("Materials", "'Rind'", "Bump Map Correction"),
     light_beside_catchers: ("Scene", "Bulb", "shadow catchers"),
     custom_camera: ("Camera", "'Camera'", "perspective"),
 }

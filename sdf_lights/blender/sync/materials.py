@@ -77,7 +77,8 @@ class Materials:
         output = reader.output()
         if output is None:
             return Material(material.name)
-        sampling = getattr(getattr(material, "cycles", None), "emission_sampling", "AUTO")
+        cycles = getattr(material, "cycles", None)  # exists only while the Cycles add-on is enabled
+        sampling = getattr(cycles, "emission_sampling", "AUTO")
         surface, displacement, normal = reader.read(output.inputs["Surface"], None), None, None
         if reader.resolve(output.inputs["Displacement"])[0] is not None:
             moved = reader.read(output.inputs["Displacement"], (0.0, 0.0, 0.0))
@@ -104,4 +105,5 @@ class Materials:
             material.pass_index,
             self._aovs(tree, reader),
             material.use_transparent_shadow or bounds,  # as in Cycles
+            getattr(cycles, "use_bump_map_correction", True),
         )

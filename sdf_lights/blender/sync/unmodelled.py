@@ -147,17 +147,6 @@ def shadow_terminators(asked: Asked) -> Iterator[str]:
             )
 
 
-def materials(asked: Asked) -> Iterator[str]:
-    """Settings of materials."""
-    used = {slot.material for obj in asked.objects for slot in obj.material_slots if slot.material is not None}
-    for material in sorted((each.original for each in used), key=lambda each: each.name):
-        if not _cycles(material, "use_bump_map_correction", True):
-            yield (
-                f"Material '{material.name}': bumps always darken where they face away from the surface; switch its Bump "
-                "Map Correction on in Cycles to compare."
-            )
-
-
 # -- lights and the world ----------------------------------------------------------------------------------------------
 
 
@@ -214,7 +203,6 @@ CHECKS: tuple[Callable[[Asked], Iterator[str]], ...] = (
     light_linking,
     subdivision,
     shadow_terminators,
-    materials,
     lights_of_catchers,
     shadow_caustics,
     world_shadows,

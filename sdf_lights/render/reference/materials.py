@@ -136,6 +136,7 @@ def _bump_shadowing(surface: Surface, lobe: Lobe, wi: np.ndarray) -> np.ndarray:
     if lobe.diffuse:
         tilt2 = np.clip(tilt * tilt, 1e-12, 1.0)
         factor = 1.0 / (1.0 + masking(np.minimum(0.125 * (1.0 / tilt2 - 1.0), 1.0), np.minimum(np.abs(cosine), 1.0)))
+        factor = np.where(surface.uncorrected, 1.0, factor)
     return np.where(bumped, factor * (cosine * tilt * dot(lobe.normal, wi) >= 0.0), 1.0)
 
 
@@ -193,6 +194,7 @@ class Materials:
         rays."""
         shading = Shading(surface)
         for index, rows in self._groups(surface):
+            surface.uncorrected[rows] = not self.materials[index].bump_correction
             part = surface.select(rows)
             graph = self.graphs[index]
             points = Points(graph, part, self.geometry, self.scene.images, footprint[rows], rng)
@@ -221,6 +223,7 @@ class Materials:
         subsurface closures there."""
         shading = Shading(surface)
         for index, rows in self._groups(surface):
+            surface.uncorrected[rows] = not self.materials[index].bump_correction
             part, normal = surface.select(rows), surface.ns[rows]
             if any(
                 node.kind in ("subsurface", "principled") and node["normal"] is not None

@@ -62,6 +62,7 @@ from .records import (
     NEGLIGIBLE,
     REGISTERS,
     STOPS_LIGHT_RAYS,
+    UNCORRECTED,
 )
 
 THIRDS = Vector(*[constant(1.0 / 3.0)] * 3)
@@ -215,6 +216,7 @@ class _SceneCompiler:
             emission = np.maximum(emission, program.emission)
         if flags & HAS_TRANSPARENCY and not material.transparent_shadows:
             flags ^= HAS_TRANSPARENCY | STOPS_LIGHT_RAYS
+        flags |= 0 if material.bump_correction else UNCORRECTED
         record["flags"], record["emission"] = flags, emission
 
     def compile_emission(self, material: Material | None, record) -> None:
