@@ -105,6 +105,7 @@ class Emitter:
     ``receivers``: bits of the sets ``Instance.light_set`` that it lights. ``blockers``: bits of the sets
     ``Instance.shadow_set`` that cast its shadows. ``max_bounces``: it lights no surface after more bounces.
     ``light_group``: the pass of light that contains it. ``sampled_only``: only camera rays hit it by chance.
+    ``lights_catchers``: a lamp or light counts for shadow catchers.
     """
 
     receivers: int = ALL_SETS
@@ -113,6 +114,7 @@ class Emitter:
     sampled_only: bool = False
     light_group: str = ""
     own_pass: str = ""  # name of a separate pass of its light
+    lights_catchers: bool = True
 
 
 @dataclass
@@ -319,7 +321,8 @@ def catches_shadows(scene: Scene) -> bool:
 
 def catchers_only(scene: Scene) -> Scene:
     """The scene whose only objects are its shadow catchers. Indices of instances and of their triangles stay; the other
-    instances have no triangles. No medium fills the world. Warnings are not repeated."""
+    instances have no triangles. Lamps and lights that do not count for catchers are missing. No medium fills the world.
+    Warnings are not repeated."""
     empty = Mesh("", np.zeros((0, 3), np.float32), np.zeros((0, 3), np.int32))
     kept = {instance.mesh for instance in scene.instances if instance.catcher}
     return replace(
@@ -329,6 +332,8 @@ def catchers_only(scene: Scene) -> Scene:
             instance if instance.catcher else replace(instance, mesh=len(scene.meshes), attributes={}, motion=None)
             for instance in scene.instances
         ],
+        lamps=[lamp for lamp in scene.lamps if lamp.lights_catchers],
+        lights=[light for light in scene.lights if light.lights_catchers],
         world=replace(scene.world, medium=None),
         warnings=[],
         kept=None,

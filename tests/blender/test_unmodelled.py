@@ -58,10 +58,6 @@ def alpha_threshold(file, **_):
     file.layer.use_pass_normal, file.layer.pass_alpha_threshold = True, 0.2
 
 
-def light_beside_catchers(floor, light, **_):
-    floor.is_shadow_catcher, light.is_shadow_catcher = True, False
-
-
 def custom_camera(file, **_):
     file.camera.data.type = "CUSTOM"
 
@@ -98,7 +94,6 @@ CASES = {
     world_aovs: ("World", "'Sky'", "Mask"),
     glowing_volume_in_a_group: ("Objects", "'Floor'", "'Key'"),
     alpha_threshold: ("View Layers", "Alpha Threshold"),
-    light_beside_catchers: ("Scene", "Bulb", "shadow catchers"),
     custom_camera: ("Camera", "'Camera'", "perspective"),
 }
 

@@ -182,6 +182,12 @@ def test_shadow_catchers():
     assert film.read("Shadow Catcher").min() < 0.9
 
 
+def test_lights_that_do_not_count_for_shadow_catchers():
+    cpu, gpu = both("shadow_catcher", LampSampling.MIS, passes=("Combined", "Shadow Catcher"))
+    failures = differences(cpu, gpu)
+    assert not failures, "; ".join(failures)
+
+
 LOBES = tuple(
     item.name for item in PASSES_OF_ALL if item.source in (*LIGHT_SUMS, "glossy_albedo", "transmission_albedo")
 )

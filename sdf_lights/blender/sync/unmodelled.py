@@ -150,18 +150,6 @@ def shadow_terminators(asked: Asked) -> Iterator[str]:
 # -- lights and the world ----------------------------------------------------------------------------------------------
 
 
-def lights_of_catchers(asked: Asked) -> Iterator[str]:
-    """Lights that do not count for shadow catchers."""
-    if not any(obj.original.is_shadow_catcher for obj in asked.objects if obj.type != "LIGHT"):
-        return
-    without = sorted({obj.name for obj in asked.objects if obj.type == "LIGHT" and not obj.original.is_shadow_catcher})
-    if without:
-        yield (
-            f"Scene '{asked.scene.name}': all lights count for shadow catchers, also {_names(without)}; switch their "
-            "Shadow Catcher on in Cycles to compare."
-        )
-
-
 def shadow_caustics(asked: Asked) -> Iterator[str]:
     """Shadow caustics (manifold next event estimation)."""
     lights = [
@@ -203,7 +191,6 @@ CHECKS: tuple[Callable[[Asked], Iterator[str]], ...] = (
     light_linking,
     subdivision,
     shadow_terminators,
-    lights_of_catchers,
     shadow_caustics,
     world_shadows,
     world_aovs,
