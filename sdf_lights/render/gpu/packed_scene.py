@@ -21,6 +21,7 @@ from ..kernels.media import code_table as media_code
 from ..kernels.media import pack as media
 from ..kernels.outputs import code_table as output_code
 from ..kernels.outputs import dispatch as outputs
+from ..kernels.outputs.pack import pack_outputs, workspace_counts
 from ..kernels.outputs.records import DATA
 from ..kernels.packing import build_lamps, emissive_triangles, emitter_tables, instance_boxes, integrator_scalars
 from ..kernels.shading.material_records import LOBE_PRINCIPLED
@@ -170,7 +171,7 @@ class GpuScene:
         shown, more = {}, {"outputs": 0}
         if has_outputs(film):
             emitters_shown = [*sources, *scene.lights, scene.world]
-            shown, more = output_code.pack(scene, film, emitters_shown, emissive.instance)
+            shown, more = pack_outputs(scene, film, emitters_shown, emissive.instance)
             if not (film.matte_places or film.data_places.keys() - set(CATCHER_SUMS)):
                 more["outputs"] &= ~DATA  # catchers alone need no properties of surfaces
         tables |= {name: table for name, table in shown.items() if name not in WRITTEN}
@@ -287,7 +288,7 @@ class GpuScene:
         if self.media:
             counts["inside"] = 2  # of the path and of a light ray
         if has_outputs(self.film):
-            counts |= output_code.workspace_counts(self.film)
+            counts |= workspace_counts(self.film)
             counts["first_scatterings"] = min(counts["first_scatterings"], 2)  # of the path and of a light ray
             counts["output_sums"] = max(counts["output_sums"], 4)  # three numbers would be a vector
             counts = {name: count for name, count in counts.items() if count}

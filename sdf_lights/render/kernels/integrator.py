@@ -389,7 +389,7 @@ def shade_and_scatter(block, workspace, whole):
     if path.last:
         # A transparent surface does not end a ray that gathers emission: light sampling sees through it too.
         transparent = vec(surface.transparency)
-        if largest(transparent) <= 0.0 or path.transparent >= block.transparent_bounces:
+        if largest(transparent) <= 0.0 or path.transparent >= max(block.transparent_bounces, 1):  # as in Cycles
             return ENDS
         if not surface.portal:
             path.transparent += 1

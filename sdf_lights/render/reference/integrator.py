@@ -277,7 +277,9 @@ class Integrator:
             [settings.max_bounces, settings.diffuse_bounces, settings.glossy_bounces, settings.transmission_bounces]
         )
         passed_all = bounces[:, 4] >= settings.transparent_bounces
-        alive = (throughput.max(1) > 0.0) & ~(paths.last & (paths.bounces[:, 4] >= settings.transparent_bounces))
+        alive = (throughput.max(1) > 0.0) & ~(
+            paths.last & (paths.bounces[:, 4] >= max(settings.transparent_bounces, 1))
+        )
         last = paths.last | (bounces[:, :4] > limits).any(1) | (passes & passed_all)
         roulette = ~passes & ~last & (bounces[:, 0] >= FIRST_ROULETTE)
         survival = np.where(roulette, np.clip(throughput.max(1), 1e-300, 1.0), 1.0)

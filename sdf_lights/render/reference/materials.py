@@ -24,7 +24,7 @@ from .fibers import Chiang, Hair
 from .geometry import Geometry, Surface
 from .material_lobes import CUTOFF, Builder, leaves
 from .nodes import Graph, Points
-from .rare import AshikhminShirley
+from .rare import AshikhminShirley, Velvet
 from .subsurface import Subsurface
 from .vectors import dot, normalize
 
@@ -121,7 +121,7 @@ def _evaluate(surface: Surface, lobes: list[Lobe], wi: np.ndarray, kinds: Ray = 
     side = np.where(dot(surface.ng, wi) < 0.0, int(Ray.TRANSMISSION), int(Ray.GLOSSY))
     for lobe, pick in zip(lobes, _picks(lobes)):
         one, density = lobe.evaluate(surface.wo, wi)
-        counts = ((int(Ray.DIFFUSE) if lobe.diffuse else side) & int(kinds)) != 0
+        counts = ((int(Ray.DIFFUSE) if lobe.diffuse and not isinstance(lobe, Velvet) else side) & int(kinds)) != 0
         value += lobe.weight * one * (_bump_shadowing(surface, lobe, wi) * counts)[:, None]
         pdf += pick * density
     return value, pdf

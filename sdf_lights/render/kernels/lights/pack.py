@@ -63,8 +63,8 @@ def pack_lights(
         shining = np.isfinite(bounds.intensity) & (bounds.intensity > 0.0)
         shining &= np.isfinite(bounds.lo).all(axis=1) & np.isfinite(bounds.hi).all(axis=1)
         bounds = _chosen(bounds, shining)
-    if hides_horizon(scene.world.medium):
-        infinite = infinite[:0]
+    if hides_horizon(scene.world.medium):  # except from the light of what casts no shadow
+        infinite = infinite[emitters["cast_shadow"][infinite["emitter"]] == 0]
 
     def build(lit):
         leaf, place = np.full((2, len(emitters)), -1)

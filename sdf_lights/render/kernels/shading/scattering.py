@@ -21,6 +21,7 @@ from .records import (
     TRANSLUCENT,
     TRANSMISSION,
     TRANSPARENT,
+    VELVET,
     closure_table,
     surface_table,
 )
@@ -86,8 +87,9 @@ def lobes_lit(surface, wi, kinds):
 
 @kernel
 def is_lit(closure, kinds, lobes):
-    """Whether the scattering of a closure is of one of these ``kinds``; ``lobes``: see ``lobes_lit``."""
-    return (lobes if closure.kind >= MICROFACET else kinds & DIFFUSE) != 0
+    """Whether the scattering of a closure is of one of these ``kinds``; ``lobes``: see ``lobes_lit``. To lights, velvet
+    is glossy, as in Cycles."""
+    return (lobes if closure.kind >= MICROFACET or closure.kind == VELVET else kinds & DIFFUSE) != 0
 
 
 @kernel
