@@ -23,6 +23,8 @@ from .settings import Settings
 
 RGB = tuple[float, float, float]
 
+_ROUNDING = 1e-6  # of Blender's single precision
+
 
 class Ray(enum.IntFlag):
     """Kinds of rays, to which an object can be visible (Blender's Ray Visibility)."""
@@ -298,6 +300,7 @@ class Scene:
     portals: list[Portal] = field(default_factory=list)
     world: World = field(default_factory=World)
     mist: Mist = field(default_factory=Mist)
+    alpha_threshold: float = 0.5  # alpha from which on a surface has depth, a normal, numbers and other data
     occlusion_distance: float = 10.0  # metres within which the pass Ambient Occlusion looks for surfaces
     passes: list[Pass] = field(default_factory=list)  # that exist in addition to ``passes.PASSES``
     attributes: list[Attribute] = field(default_factory=list)  # that passes look up, in addition to those of materials
@@ -308,6 +311,11 @@ class Scene:
     kept: dict | None = (
         None  # data that a back end keeps for the next render, whose scene may be nearly the same; None: nothing
     )
+
+    @property
+    def clearest(self) -> float:
+        """The greatest transparency of a surface that has data, by the ``alpha_threshold``; all have with 0."""
+        return 1.0 - self.alpha_threshold + _ROUNDING if self.alpha_threshold > 0.0 else np.inf
 
     def looked_up(self) -> list[Attribute]:
         """Every attribute that is looked up, in the order of their indices."""

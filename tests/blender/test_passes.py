@@ -153,6 +153,27 @@ def test_data_and_directly_seen_light(scene, both, file):
     assert np.abs(ours["UV"] - theirs["UV"]).mean() < 0.01
 
 
+@pytest.mark.parametrize("threshold", [0.0, 0.25, 0.7, 0.8])
+def test_alpha_threshold(scene, both, file, threshold):
+    """From which alpha on the two sheets have normals, UVs, numbers and depth."""
+    switch_on(file.layer, ["z", "uv", "object_index", "normal"])
+    file.layer.pass_alpha_threshold = threshold
+    scene.cycles.samples = scene.sdf_lights.samples = 64
+    ours, theirs = passes = both()
+    index, depth = ("Object Index", "Depth") if bpy.app.version >= (5, 0, 0) else ("IndexOB", "Depth")
+    edges = 0.1  # as above
+    assert (ours[index] != theirs[index]).mean() < edges
+    assert (np.abs(ours[depth] - theirs[depth]) > 0.05 * theirs[depth]).mean() < edges
+    # Cycles' normals are shorter where some samples have none.
+    normals = [one["Normal"] / np.maximum(np.linalg.norm(one["Normal"], axis=-1), 1e-3)[..., None] for one in passes]
+    for found, expected in (normals, [one["UV"] for one in passes]):
+        assert np.abs(found - expected).mean() < 0.01
+        right = expected.mean((0, 1), dtype=float)
+        assert found.mean((0, 1), dtype=float) == pytest.approx(right, abs=0.01 * np.abs(expected).mean())
+    nearest = [np.median(ours[depth][ours[index] == number]) < 4.2 for number in (5, 6)]  # sheets at 4 m
+    assert nearest == [threshold <= 0.7, threshold <= 0.3]
+
+
 def test_lobes(scene, both, file):
     switch_on(file.layer, [*LOBES, *LIGHT])
     ours, theirs = both()

@@ -54,10 +54,6 @@ def shadow_caustics(light, floor, **_):
     light.data.cycles.is_caustics_light = floor.cycles.is_caustics_caster = True
 
 
-def alpha_threshold(file, **_):
-    file.layer.use_pass_normal, file.layer.pass_alpha_threshold = True, 0.2
-
-
 def custom_camera(file, **_):
     file.camera.data.type = "CUSTOM"
 
@@ -93,7 +89,6 @@ CASES = {
     shadow_caustics: ("Scene", "Bulb", "noisier"),
     world_aovs: ("World", "'Sky'", "Mask"),
     glowing_volume_in_a_group: ("Objects", "'Floor'", "'Key'"),
-    alpha_threshold: ("View Layers", "Alpha Threshold"),
     custom_camera: ("Camera", "'Camera'", "perspective"),
 }
 

@@ -88,7 +88,7 @@ def sync_views(
     )
     warn(cycles.missing(blender_scene))
     warn(versions.newer(depsgraph))
-    scene.passes = layer_passes(depsgraph.view_layer)
+    scene.passes, scene.alpha_threshold = layer_passes(depsgraph.view_layer), depsgraph.view_layer.pass_alpha_threshold
     if is_enabled(BY_NAME["UV"], depsgraph.view_layer):
         scene.attributes.append(UV)
     kind = None

@@ -96,17 +96,6 @@ def passes(asked: Asked) -> Iterator[str]:
         )
 
 
-def alpha_threshold(asked: Asked) -> Iterator[str]:
-    """Another alpha from which on a surface has depth, normals and indices."""
-    layer = asked.view_layer
-    data = ("z", "position", "normal", "uv", "vector", "object_index", "material_index")
-    if layer.pass_alpha_threshold != 0.5 and any(getattr(layer, f"use_pass_{name}") for name in data):
-        yield (
-            f"View layer '{layer.name}': its Alpha Threshold is not supported: depth, normals and indices are those of the "
-            "first surface whose alpha is above 0.5."
-        )
-
-
 # -- objects -----------------------------------------------------------------------------------------------------------
 
 
@@ -187,7 +176,6 @@ def world_aovs(asked: Asked) -> Iterator[str]:
 CHECKS: tuple[Callable[[Asked], Iterator[str]], ...] = (
     settings_of_cycles,
     passes,
-    alpha_threshold,
     light_linking,
     subdivision,
     shadow_terminators,

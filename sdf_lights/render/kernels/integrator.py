@@ -75,6 +75,7 @@ SCALARS = [
     ("transparent_bounces", np.int64),
     ("clamp_direct", np.float64),
     ("clamp_indirect", np.float64),
+    ("clearest", np.float64),  # of a surface that has data: ``Scene.clearest``
     ("transparent_film", np.int64),
     ("shows_environment", np.int64),  # 1: a pass has what a transparent film hides
     ("filter_glossy", np.float64),  # blurs what rays of a density below it meet
@@ -97,7 +98,7 @@ ENDS, GOES_ON, DIVIDES = range(3)  # what becomes of a path at a surface
 
 @kernel
 def record_first_surface(block, workspace):
-    """Data passes: the first surface that the camera sees and that is more solid than transparent."""
+    """Data passes: the first surface that the camera sees and that is solid enough."""
     sample = sample_table(workspace)[0]
     surface = surface_table(workspace)[0]
     sample.found = 1
@@ -381,7 +382,7 @@ def shade_and_scatter(block, workspace, whole):
     if path.kind == CAMERA:
         subtract_alpha(workspace, surface.holdout)
         put_sum(sample.diffuse_albedo, mul(vec(path.throughput), vec(surface.diffuse_albedo)))
-        first = not sample.found and average(vec(surface.transparency)) < 0.5
+        first = not sample.found and average(vec(surface.transparency)) <= block.clearest
         if first:
             record_first_surface(block, workspace)
         if block.outputs & DATA:

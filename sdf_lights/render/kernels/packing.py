@@ -257,6 +257,7 @@ def integrator_scalars(scene: Scene, flags: np.ndarray, tables: dict[str, np.nda
     emissive = bool((flags & HAS_EMISSION).any())
     return {
         **{name: getattr(settings, name) for name in names},
+        "clearest": scene.clearest,
         "finite_lights": finite,
         "shows_environment": 0,
         "caustics": settings.caustics_reflective * GLOSSY | settings.caustics_refractive * TRANSMISSION,

@@ -217,10 +217,10 @@ class Integrator:
         return self._scatter(paths, surface, shading, end, samples, rng)
 
     def _record(self, paths: Paths, surface: Surface, shading: Shading, end: np.ndarray, samples: Samples) -> None:
-        """Data passes: the first surface that the camera sees and that is more solid than transparent."""
+        """Data passes: the first surface that the camera sees and that is solid enough."""
         camera = paths.kind == Ray.CAMERA
         samples.diffuse_albedo[paths.sample[camera]] += (paths.throughput * shading.diffuse_albedo)[camera]
-        first = camera & (shading.transparency.mean(1) < 0.5) & ~samples.found[paths.sample]
+        first = camera & (shading.transparency.mean(1) <= self.data.scene.clearest) & ~samples.found[paths.sample]
         rows = paths.sample[first]
         samples.found[rows], samples.depth[rows] = True, end[first]
         samples.position[rows], samples.normal[rows] = surface.position[first], surface.ns[first]

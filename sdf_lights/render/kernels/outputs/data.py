@@ -193,8 +193,8 @@ def _add_aovs(block, workspace, surface, sums):
 
 @kernel
 def add_surface(block, workspace, first):
-    """Add the properties of the surface that the camera sees. ``first``: whether it is the first that is more solid
-    than transparent."""
+    """Add the properties of the surface that the camera sees. ``first``: whether it is the first that is solid
+    enough."""
     path, surface = path_table(workspace)[0], surface_table(workspace)[0]
     sums, throughput = output_sum_table(workspace), vec(path.throughput)
     transparency = vec(surface.transparency)
@@ -234,8 +234,8 @@ def add_surface(block, workspace, first):
 
 @kernel
 def add_miss(block, workspace, unused):
-    """Drop the numbers of surfaces that are more transparent than solid, because nothing is behind them. The background
-    moves as the camera turns."""
+    """Drop the numbers of surfaces that are too transparent, because nothing is behind them. The background moves as
+    the camera turns."""
     if not sample_table(workspace)[0].found:
         sums = output_sum_table(workspace)
         _number(block, sums, _OBJECT_INDEX, 0)
