@@ -5,6 +5,7 @@
 import json
 import math
 
+import bmesh
 import bpy
 import numpy as np
 import pytest
@@ -220,6 +221,29 @@ def test_light_groups(scene, both, file):
     assert_alike(ours, theirs)
     whole = sum(ours[f"Combined_{group}"] for group in ("Key", "Fill", "Sky"))
     np.testing.assert_allclose(whole, ours["Combined"][..., :3], rtol=1e-4, atol=1e-5)
+
+
+def test_emission_of_volumes_in_light_groups(scene, both, file, add, material):
+    """Where two volumes overlap, all emission belongs to the one that a ray enters last."""
+    for name, color, place in (
+        ("Key", (1.0, 0.5, 0.2, 1.0), (-0.3, -0.9, 1.0)),
+        ("Fill", (0.2, 0.5, 1.0, 1.0), (0.3, -1.2, 1.1)),
+    ):
+        made, tree, output = material(name)
+        glow = tree.nodes.new("ShaderNodeEmission")
+        glow.inputs["Color"].default_value, glow.inputs["Strength"].default_value = color, 0.5
+        tree.links.new(glow.outputs[0], output.node.inputs["Volume"])
+        box, form = bpy.data.meshes.new(name), bmesh.new()
+        bmesh.ops.create_cube(form, size=1.2)
+        form.to_mesh(box)
+        form.free()
+        box.materials.append(made)
+        file.layer.lightgroups.add(name=name)
+        add(name, box, place, (0.2, 0.3, 0.4)).lightgroup = name
+    scene.cycles.samples = scene.sdf_lights.samples = 128
+    ours, theirs = both()
+    assert_alike(ours, theirs)
+    assert ours["Combined_Key"].mean() > 0.01 and ours["Combined_Fill"].mean() > 0.01
 
 
 def test_a_light_may_have_a_pass_of_its_own(scene, pictures, file, lamp, add):

@@ -66,17 +66,6 @@ def world_aovs(file, **_):
     world.node_tree.nodes.new("ShaderNodeOutputAOV").aov_name = "Mask"
 
 
-def glowing_volume_in_a_group(file, floor, **_):
-    file.layer.lightgroups.add(name="Key")
-    made = bpy.data.materials.new("Smoke")
-    made.use_nodes = True
-    tree = made.node_tree
-    output = next(node for node in tree.nodes if node.bl_idname == "ShaderNodeOutputMaterial")
-    tree.links.new(tree.nodes.new("ShaderNodeEmission").outputs[0], output.inputs["Volume"])
-    floor.data.materials.append(made)
-    floor.lightgroup = "Key"
-
-
 # What is done to the scene; the group of the sentence, and words in it.
 CASES = {
     fast_gi: ("Scene", "Fast GI"),
@@ -88,7 +77,6 @@ CASES = {
     shadow_terminator: ("Objects", "'Floor'", "shadow terminator"),
     shadow_caustics: ("Scene", "Bulb", "noisier"),
     world_aovs: ("World", "'Sky'", "Mask"),
-    glowing_volume_in_a_group: ("Objects", "'Floor'", "'Key'"),
     custom_camera: ("Camera", "'Camera'", "perspective"),
 }
 

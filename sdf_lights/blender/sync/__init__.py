@@ -28,7 +28,6 @@ from .neighbor_frames import NeighborFrames, has_vectors
 from .objects import ALL, LIGHTS, sync_objects
 from .simplify import Culling, texture_limit, texture_share
 from .unmodelled import report_unmodelled
-from .volumes import report_groups
 from .world import mist_of, world_of
 
 __all__ = [
@@ -99,7 +98,6 @@ def sync_views(
         kept.begin(depsgraph)
         scene.kept = kept.back_end
     _fill(depsgraph, scene, warn, motion=motion, eyes=eyes, kept=kept)
-    report_groups(scene, warn)
     report_unmodelled(depsgraph, _world(depsgraph), warn)
     return scene, eyes
 
