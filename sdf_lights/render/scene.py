@@ -207,7 +207,8 @@ class Portal:
 @dataclass
 class World:
     """Background radiance: ``color`` × ``strength``, times the equirectangular ``image`` if there is one, or times the
-    Emission closures of ``emission``, whose position is the direction of the ray. ``medium`` fills all space."""
+    Emission closures of ``emission``, whose position is the direction of the ray. So are the shader AOVs of ``aovs``.
+    ``medium`` fills all space."""
 
     color: RGB = (0.0, 0.0, 0.0)
     strength: float = 1.0
@@ -215,6 +216,7 @@ class World:
     rotation: np.ndarray = field(default_factory=lambda: np.eye(3))  # world direction -> image direction
     visibility: Ray = Ray.ALL
     emission: Material | None = None
+    aovs: Material | None = None
     medium: Medium | None = None
     max_bounces: int = MANY_BOUNCES
     light_group: str = ""

@@ -375,6 +375,26 @@ def test_aovs(scene, both, file):
     assert_alike(ours, theirs)
 
 
+@pytest.mark.parametrize("transparent", [False, True])
+def test_aovs_of_worlds(scene, both, file, transparent):
+    """They add to those of sheets that are too clear. A transparent film has none."""
+    for name, kind in (("Mask", "VALUE"), ("Paint", "COLOR")):
+        aov = file.layer.aovs.add()
+        aov.name, aov.type = name, kind
+    for tree in (bpy.data.materials["Thin"].node_tree, scene.world.node_tree):
+        node, paint, place = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("OutputAOV", "OutputAOV", "TexCoord"))
+        node.aov_name, node.inputs["Value"].default_value, paint.aov_name = "Mask", 0.3, "Paint"
+        tree.links.new(place.outputs["Generated"], paint.inputs["Color"])
+    scene.render.film_transparent = transparent
+    scene.cycles.samples = scene.sdf_lights.samples = 128
+    ours, theirs = both()
+    theirs["Paint"][..., 3] = np.minimum(
+        theirs["Paint"][..., 3], 1.0
+    )  # Cycles counts each surface, here alpha ends at 1
+    assert_alike(ours, theirs)
+    assert (ours["Mask"].max() > 0.29) and (ours["Mask"][-1].mean() > 0.2) == (not transparent)
+
+
 def test_aovs_in_groups(scene, both, file):
     """Each use of a group gives what it is given there; what is muted gives nothing."""
     aov = file.layer.aovs.add()

@@ -58,14 +58,6 @@ def custom_camera(file, **_):
     file.camera.data.type = "CUSTOM"
 
 
-def world_aovs(file, **_):
-    aov = file.layer.aovs.add()
-    aov.name, aov.type = "Mask", "VALUE"
-    world = bpy.data.worlds.new("Sky")
-    world.use_nodes, file.scene.world = True, world
-    world.node_tree.nodes.new("ShaderNodeOutputAOV").aov_name = "Mask"
-
-
 # What is done to the scene; the group of the sentence, and words in it.
 CASES = {
     fast_gi: ("Scene", "Fast GI"),
@@ -76,7 +68,6 @@ CASES = {
     subdivision: ("Objects", "'Floor'", "adaptive subdivision"),
     shadow_terminator: ("Objects", "'Floor'", "shadow terminator"),
     shadow_caustics: ("Scene", "Bulb", "noisier"),
-    world_aovs: ("World", "'Sky'", "Mask"),
     custom_camera: ("Camera", "'Camera'", "perspective"),
 }
 

@@ -166,7 +166,7 @@ def _fill(
     if world is not None:
         scene.mist, scene.occlusion_distance = mist_of(world.mist_settings), world.light_settings.distance
     if view_layer.use_sky:
-        scene.world = world_of(world, depsgraph, images, warn)
+        scene.world = world_of(world, depsgraph, images, warn, scene.passes)
     kinds = ALL if view_layer.use_solid else ALL - {"MESH"}
     if not view_layer.use_strand:
         kinds -= {"CURVES"}

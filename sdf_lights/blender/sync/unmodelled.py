@@ -160,19 +160,6 @@ def world_shadows(asked: Asked) -> Iterator[str]:
         yield f"World '{world.name}': its light always casts shadows; switch its Cast Shadow on in Cycles to compare."
 
 
-def world_aovs(asked: Asked) -> Iterator[str]:
-    """AOV Output nodes of the world."""
-    tree, names = getattr(asked.world, "node_tree", None), {aov.name for aov in asked.view_layer.aovs if aov.is_valid}
-    nodes = tree.nodes if tree is not None and names else ()
-    given = {node.aov_name for node in nodes if node.bl_idname == "ShaderNodeOutputAOV" and not node.mute}
-    if given & names:
-        yield (
-            f"World '{asked.world.name}': AOV Output nodes of worlds are not supported, so "
-            f"{_names(sorted(given & names))} is 0 where the world is seen; use the material of a large sphere "
-            "instead."
-        )
-
-
 CHECKS: tuple[Callable[[Asked], Iterator[str]], ...] = (
     settings_of_cycles,
     passes,
@@ -181,5 +168,4 @@ CHECKS: tuple[Callable[[Asked], Iterator[str]], ...] = (
     shadow_terminators,
     shadow_caustics,
     world_shadows,
-    world_aovs,
 )
