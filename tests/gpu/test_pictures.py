@@ -169,6 +169,10 @@ def test_light_below_surfaces():
     compare("subsurface")
 
 
+def test_light_that_transparent_surfaces_stop():
+    compare("stopped_light")
+
+
 def test_shadow_catchers():
     """Under a lamp and a sky, sample by sample."""
 
@@ -197,7 +201,7 @@ DATA = "Mist", "UV", "Object Index", "Material Index", "Vector"
 def test_parts_of_the_light_and_properties_of_surfaces():
     """Lobes, light groups, passes of lights, Cryptomatte, AOVs and numbers of objects, sample by sample."""
 
-    def make() -> scenes.Scene:
+    def make() -> Scene:
         scene = scenes.torus_room(16, 16)
         scene.lamps[0].light_group, scene.lamps[0].own_pass = "lamps", "Ring"
         glass = Node("glass", {"color": (0.9, 0.95, 1.0), "roughness": 0.3})
@@ -218,6 +222,7 @@ def test_parts_of_the_light_and_properties_of_surfaces():
         nearer, farther = (scenes.translation(0.0, y, 0.1) @ scene.camera.matrix for y in (0.3, -0.3))
         around = tuple(dataclasses.replace(scene.camera, matrix=matrix) for matrix in (nearer, farther))
         scene.camera = dataclasses.replace(scene.camera, around=around)
+        scene.world.aovs = Material("sky", aovs={"Place": color, "One": constant(0.5)})
         groups = [light_group_pass("lamps"), own_pass("Ring"), aov_pass("Place", False), aov_pass("One", True)]
         scene.passes = [*groups, *matte_passes("object", 4), *matte_passes("material", 2)]
         return scene
@@ -282,7 +287,7 @@ def compare_samples(
 def test_emission_that_traces_rays():
     """The floor glows where nothing is near it. Only scattered rays find its light, so one emitter is sampled."""
 
-    def make() -> scenes.Scene:
+    def make() -> Scene:
         scene, graph = scenes.torus_room(16, 16), scenes.Graph()
         glow = graph.material("open", Node("emission", {"color": graph.occlusion(scenes.WHITE, 1.5), "strength": 0.5}))
         scene.materials.append(dataclasses.replace(glow, sample_emission=False))
