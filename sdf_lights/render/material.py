@@ -157,6 +157,9 @@ class Material:
     ``index`` is for the pass of that name, ``aovs`` for those of shader AOVs. ``parameters`` are the values of the
     slots of its formulas: numbers, or an ``Attribute``, a ``Table`` or a ``Texture`` that a function looks up; the slot
     then holds its index.
+
+    Without ``transparent_shadows``, rays towards lights do not pass its transparent parts. Without ``bump_correction``,
+    bumps do not darken near the horizon of the surface, and normals that mirror the view into it stay.
     """
 
     name: str
@@ -169,6 +172,8 @@ class Material:
     normal: Vector | None = None
     index: int = 0
     aovs: dict[str, Formula | Vector] = field(default_factory=dict)
+    transparent_shadows: bool = True
+    bump_correction: bool = True
 
 
 def attributes_of(materials: Iterable[Material], others: Iterable[Attribute] = ()) -> list[Attribute]:

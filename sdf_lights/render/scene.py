@@ -23,6 +23,8 @@ from .settings import Settings
 
 RGB = tuple[float, float, float]
 
+_ROUNDING = 1e-6  # of Blender's single precision
+
 
 class Ray(enum.IntFlag):
     """Kinds of rays, to which an object can be visible (Blender's Ray Visibility)."""
@@ -105,6 +107,7 @@ class Emitter:
     ``receivers``: bits of the sets ``Instance.light_set`` that it lights. ``blockers``: bits of the sets
     ``Instance.shadow_set`` that cast its shadows. ``max_bounces``: it lights no surface after more bounces.
     ``light_group``: the pass of light that contains it. ``sampled_only``: only camera rays hit it by chance.
+    ``lights_catchers``: a lamp or light counts for shadow catchers.
     """
 
     receivers: int = ALL_SETS
@@ -113,6 +116,7 @@ class Emitter:
     sampled_only: bool = False
     light_group: str = ""
     own_pass: str = ""  # name of a separate pass of its light
+    lights_catchers: bool = True
 
 
 @dataclass
@@ -203,7 +207,8 @@ class Portal:
 @dataclass
 class World:
     """Background radiance: ``color`` × ``strength``, times the equirectangular ``image`` if there is one, or times the
-    Emission closures of ``emission``, whose position is the direction of the ray. ``medium`` fills all space."""
+    Emission closures of ``emission``, whose position is the direction of the ray. So are the shader AOVs of ``aovs``.
+    ``medium`` fills all space."""
 
     color: RGB = (0.0, 0.0, 0.0)
     strength: float = 1.0
@@ -211,6 +216,7 @@ class World:
     rotation: np.ndarray = field(default_factory=lambda: np.eye(3))  # world direction -> image direction
     visibility: Ray = Ray.ALL
     emission: Material | None = None
+    aovs: Material | None = None
     medium: Medium | None = None
     max_bounces: int = MANY_BOUNCES
     light_group: str = ""
@@ -296,6 +302,7 @@ class Scene:
     portals: list[Portal] = field(default_factory=list)
     world: World = field(default_factory=World)
     mist: Mist = field(default_factory=Mist)
+    alpha_threshold: float = 0.5  # alpha from which on a surface has depth, a normal, numbers and other data
     occlusion_distance: float = 10.0  # metres within which the pass Ambient Occlusion looks for surfaces
     passes: list[Pass] = field(default_factory=list)  # that exist in addition to ``passes.PASSES``
     attributes: list[Attribute] = field(default_factory=list)  # that passes look up, in addition to those of materials
@@ -306,6 +313,11 @@ class Scene:
     kept: dict | None = (
         None  # data that a back end keeps for the next render, whose scene may be nearly the same; None: nothing
     )
+
+    @property
+    def clearest(self) -> float:
+        """The greatest transparency of a surface that has data, by the ``alpha_threshold``; all have with 0."""
+        return 1.0 - self.alpha_threshold + _ROUNDING if self.alpha_threshold > 0.0 else np.inf
 
     def looked_up(self) -> list[Attribute]:
         """Every attribute that is looked up, in the order of their indices."""
@@ -319,7 +331,8 @@ def catches_shadows(scene: Scene) -> bool:
 
 def catchers_only(scene: Scene) -> Scene:
     """The scene whose only objects are its shadow catchers. Indices of instances and of their triangles stay; the other
-    instances have no triangles. No medium fills the world. Warnings are not repeated."""
+    instances have no triangles. Lamps and lights that do not count for catchers are missing. No medium fills the world.
+    Warnings are not repeated."""
     empty = Mesh("", np.zeros((0, 3), np.float32), np.zeros((0, 3), np.int32))
     kept = {instance.mesh for instance in scene.instances if instance.catcher}
     return replace(
@@ -329,6 +342,8 @@ def catchers_only(scene: Scene) -> Scene:
             instance if instance.catcher else replace(instance, mesh=len(scene.meshes), attributes={}, motion=None)
             for instance in scene.instances
         ],
+        lamps=[lamp for lamp in scene.lamps if lamp.lights_catchers],
+        lights=[light for light in scene.lights if light.lights_catchers],
         world=replace(scene.world, medium=None),
         warnings=[],
         kept=None,

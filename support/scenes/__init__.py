@@ -35,6 +35,7 @@ from .surfaces import (
     only_reflective_caustics,
     only_refractive_caustics,
     rare,
+    stopped_light,
     transparent,
 )
 from .textured_surfaces import checker_image, instances, probed, textured
@@ -71,6 +72,7 @@ SCENES = {
         inside_lamp,
         veiled,
         transparent,
+        stopped_light,
         depth_of_field,
         panorama,
         fisheye,

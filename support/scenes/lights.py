@@ -154,8 +154,11 @@ def light_control(width: int = WIDTH, height: int = HEIGHT) -> Scene:
 
 def shadow_catcher(width: int = WIDTH, height: int = HEIGHT) -> Scene:
     """Metal and a glowing box on a floor that catches their light and shadows, seen through a clear sheet, under an SDF
-    lamp."""
+    lamp. Another lamp and a light do not count for catchers."""
     scene = emissive_mesh(width, height)
     scene.instances[0].catcher = True
-    scene.lamps.append(torus_lamp())
+    scene.lamps += [torus_lamp(), torus_lamp(-1.2, 0.2, 1.0, 6.0)]
+    scene.lamps[1].lights_catchers = False
+    beside = translation(1.4, -0.8, 1.6)
+    scene.lights.append(PointLight("beside", beside, 15.0, (0.4, 1.0, 0.6), 0.2, lights_catchers=False))
     return scene

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from sdf_lights.graph.formula import Vector, constant
 from sdf_lights.render.lights.area import AreaLight
 from sdf_lights.render.lights.point import PointLight
@@ -221,4 +223,13 @@ def transparent(width: int = WIDTH, height: int = HEIGHT) -> Scene:
         material("translucent", color=(0.7, 0.6, 0.3)),
     )
     scene.lamps.append(torus_lamp(0.0, 1.0, 2.0, 50.0))
+    return scene
+
+
+def stopped_light(width: int = WIDTH, height: int = HEIGHT) -> Scene:
+    """``transparent`` under a sky and a point, whose light rays stop at the sheets."""
+    scene = transparent(width, height)
+    scene.materials = [replace(item, transparent_shadows=False) for item in scene.materials]
+    scene.lamps.clear()
+    scene.lights.append(PointLight("point", translation(-0.5, -0.6, 2.2), 40.0, (1.0, 0.9, 0.7)))
     return scene

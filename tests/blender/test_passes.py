@@ -5,6 +5,7 @@
 import json
 import math
 
+import bmesh
 import bpy
 import numpy as np
 import pytest
@@ -153,6 +154,28 @@ def test_data_and_directly_seen_light(scene, both, file):
     assert np.abs(ours["UV"] - theirs["UV"]).mean() < 0.01
 
 
+@pytest.mark.parametrize("threshold", [0.0, 0.25, 0.7, 0.8])
+def test_alpha_threshold(scene, both, file, threshold):
+    """From which alpha on the two sheets have normals, UVs, numbers and depth."""
+    switch_on(file.layer, ["z", "uv", "object_index", "normal"])
+    file.layer.pass_alpha_threshold = threshold
+    scene.cycles.samples = scene.sdf_lights.samples = 64
+    ours, theirs = passes = both()
+    index, depth = ("Object Index", "Depth") if bpy.app.version >= (5, 0, 0) else ("IndexOB", "Depth")
+    edges = 0.1  # as above
+    assert (ours[index] != theirs[index]).mean() < edges
+    alike = ours[index] == theirs[index]  # Cycles has the depth of its first sample, which may pass a sheet by chance
+    assert (np.abs(ours[depth] - theirs[depth]) > 0.05 * theirs[depth])[alike].mean() < edges
+    # Cycles' normals are shorter where some samples have none.
+    normals = [one["Normal"] / np.maximum(np.linalg.norm(one["Normal"], axis=-1), 1e-3)[..., None] for one in passes]
+    for found, expected in (normals, [one["UV"] for one in passes]):
+        assert np.abs(found - expected).mean() < 0.01
+        right = expected.mean((0, 1), dtype=float)
+        assert found.mean((0, 1), dtype=float) == pytest.approx(right, abs=0.01 * float(np.abs(expected).mean()))
+    nearest = [np.median(ours[depth][ours[index] == number]) < 4.2 for number in (5, 6)]  # sheets at 4 m
+    assert nearest == [threshold <= 0.7, threshold <= 0.3]
+
+
 def test_lobes(scene, both, file):
     switch_on(file.layer, [*LOBES, *LIGHT])
     ours, theirs = both()
@@ -199,6 +222,29 @@ def test_light_groups(scene, both, file):
     assert_alike(ours, theirs)
     whole = sum(ours[f"Combined_{group}"] for group in ("Key", "Fill", "Sky"))
     np.testing.assert_allclose(whole, ours["Combined"][..., :3], rtol=1e-4, atol=1e-5)
+
+
+def test_emission_of_volumes_in_light_groups(scene, both, file, add, material):
+    """Where two volumes overlap, all emission belongs to the one that a ray enters last."""
+    for name, color, place in (
+        ("Key", (1.0, 0.5, 0.2, 1.0), (-0.3, -0.9, 1.0)),
+        ("Fill", (0.2, 0.5, 1.0, 1.0), (0.3, -1.2, 1.1)),
+    ):
+        made, tree, output = material(name)
+        glow = tree.nodes.new("ShaderNodeEmission")
+        glow.inputs["Color"].default_value, glow.inputs["Strength"].default_value = color, 0.5
+        tree.links.new(glow.outputs[0], output.node.inputs["Volume"])
+        box, form = bpy.data.meshes.new(name), bmesh.new()
+        bmesh.ops.create_cube(form, size=1.2)
+        form.to_mesh(box)
+        form.free()
+        box.materials.append(made)
+        file.layer.lightgroups.add(name=name)
+        add(name, box, place, (0.2, 0.3, 0.4)).lightgroup = name
+    scene.cycles.samples = scene.sdf_lights.samples = 128
+    ours, theirs = both()
+    assert_alike(ours, theirs)
+    assert ours["Combined_Key"].mean() > 0.01 and ours["Combined_Fill"].mean() > 0.01
 
 
 def test_a_light_may_have_a_pass_of_its_own(scene, pictures, file, lamp, add):
@@ -328,6 +374,26 @@ def test_aovs(scene, both, file):
         tree.links.new(place.outputs["UV"], node.inputs["Color"])
     ours, theirs = both()
     assert_alike(ours, theirs)
+
+
+@pytest.mark.parametrize("transparent", [False, True])
+def test_aovs_of_worlds(scene, both, file, transparent):
+    """They add to those of sheets that are too clear. A transparent film has none."""
+    for name, kind in (("Mask", "VALUE"), ("Paint", "COLOR")):
+        aov = file.layer.aovs.add()
+        aov.name, aov.type = name, kind
+    for tree in (bpy.data.materials["Thin"].node_tree, scene.world.node_tree):
+        node, paint, place = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("OutputAOV", "OutputAOV", "TexCoord"))
+        node.aov_name, node.inputs["Value"].default_value, paint.aov_name = "Mask", 0.3, "Paint"
+        tree.links.new(place.outputs["Generated"], paint.inputs["Color"])
+    scene.render.film_transparent = transparent
+    scene.cycles.samples = scene.sdf_lights.samples = 128
+    ours, theirs = both()
+    theirs["Paint"][..., 3] = np.minimum(
+        theirs["Paint"][..., 3], 1.0
+    )  # Cycles counts each surface, here alpha ends at 1
+    assert_alike(ours, theirs)
+    assert (ours["Mask"].max() > 0.29) and (ours["Mask"][-1].mean() > 0.2) == (not transparent)
 
 
 def test_aovs_in_groups(scene, both, file):

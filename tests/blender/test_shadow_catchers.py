@@ -56,6 +56,19 @@ def over(picture: np.ndarray, backdrop: np.ndarray) -> np.ndarray:
     ],
 )
 def test_it_is_what_cycles_has(scene, file, pictures, transparent, own_pass):
+    compare(scene, file, pictures, transparent, own_pass)
+
+
+def test_lights_that_do_not_count_for_catchers(scene, file, add, pictures):
+    """Their light is added to the picture, with its shadows."""
+    spot = bpy.data.lights.new("Spot", "SPOT")
+    spot.energy, spot.color, spot.shadow_soft_size = 60.0, (0.2, 1.0, 0.4), 0.2
+    add("Spot", spot, (0.9, -0.9, 2.2), (-0.3, 0.3, 0.0)).is_shadow_catcher = False
+    compare(scene, file, pictures, True, True)
+
+
+def compare(scene, file, pictures, transparent, own_pass) -> None:
+    """Both engines have the same means of all passes, and of the picture over a backdrop."""
     pytest.importorskip("_cycles")
     bpy.ops.preferences.addon_enable(module="cycles")
     cycles = scene.cycles

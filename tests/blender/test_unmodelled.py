@@ -54,47 +54,8 @@ def shadow_caustics(light, floor, **_):
     light.data.cycles.is_caustics_light = floor.cycles.is_caustics_caster = True
 
 
-def alpha_threshold(file, **_):
-    file.layer.use_pass_normal, file.layer.pass_alpha_threshold = True, 0.2
-
-
-def opaque_shadows(floor, **_):
-    made = bpy.data.materials.new("Gauze")
-    made.use_transparent_shadow = False
-    floor.data.materials.append(made)
-
-
-def uncorrected_bumps(floor, **_):
-    made = bpy.data.materials.new("Rind")
-    made.cycles.use_bump_map_correction = False
-    floor.data.materials.append(made)
-
-
-def light_beside_catchers(floor, light, **_):
-    floor.is_shadow_catcher, light.is_shadow_catcher = True, False
-
-
 def custom_camera(file, **_):
     file.camera.data.type = "CUSTOM"
-
-
-def world_aovs(file, **_):
-    aov = file.layer.aovs.add()
-    aov.name, aov.type = "Mask", "VALUE"
-    world = bpy.data.worlds.new("Sky")
-    world.use_nodes, file.scene.world = True, world
-    world.node_tree.nodes.new("ShaderNodeOutputAOV").aov_name = "Mask"
-
-
-def glowing_volume_in_a_group(file, floor, **_):
-    file.layer.lightgroups.add(name="Key")
-    made = bpy.data.materials.new("Smoke")
-    made.use_nodes = True
-    tree = made.node_tree
-    output = next(node for node in tree.nodes if node.bl_idname == "ShaderNodeOutputMaterial")
-    tree.links.new(tree.nodes.new("ShaderNodeEmission").outputs[0], output.inputs["Volume"])
-    floor.data.materials.append(made)
-    floor.lightgroup = "Key"
 
 
 # What is done to the scene; the group of the sentence, and words in it.
@@ -107,12 +68,6 @@ CASES = {
     subdivision: ("Objects", "'Floor'", "adaptive subdivision"),
     shadow_terminator: ("Objects", "'Floor'", "shadow terminator"),
     shadow_caustics: ("Scene", "Bulb", "noisier"),
-    world_aovs: ("World", "'Sky'", "Mask"),
-    glowing_volume_in_a_group: ("Objects", "'Floor'", "'Key'"),
-    alpha_threshold: ("View Layers", "Alpha Threshold"),
-    opaque_shadows: ("Materials", "'Gauze'", "Transparent Shadows"),
-    uncorrected_bumps: ("Materials", "'Rind'", "Bump Map Correction"),
-    light_beside_catchers: ("Scene", "Bulb", "shadow catchers"),
     custom_camera: ("Camera", "'Camera'", "perspective"),
 }
 

@@ -171,6 +171,10 @@ def test_light_below_surfaces():
     compare("subsurface")
 
 
+def test_light_that_transparent_surfaces_stop():
+    compare("stopped_light")
+
+
 def test_shadow_catchers():
     """Under a lamp and a sky, sample by sample."""
 
@@ -182,6 +186,12 @@ def test_shadow_catchers():
 
     _, film = compare_samples(make, ("Combined", "Shadow Catcher", "Environment"))
     assert film.read("Shadow Catcher").min() < 0.9
+
+
+def test_lights_that_do_not_count_for_shadow_catchers():
+    cpu, gpu = both("shadow_catcher", LampSampling.MIS, passes=("Combined", "Shadow Catcher"))
+    failures = differences(cpu, gpu)
+    assert not failures, "; ".join(failures)
 
 
 LOBES = tuple(
@@ -215,6 +225,7 @@ def test_parts_of_the_light_and_properties_of_surfaces():
         nearer, farther = (scenes.translation(0.0, y, 0.1) @ scene.camera.matrix for y in (0.3, -0.3))
         around = tuple(dataclasses.replace(scene.camera, matrix=matrix) for matrix in (nearer, farther))
         scene.camera = dataclasses.replace(scene.camera, around=around)
+        scene.world.aovs = Material("sky", aovs={"Place": color, "One": constant(0.5)})
         groups = [light_group_pass("lamps"), own_pass("Ring"), aov_pass("Place", False), aov_pass("One", True)]
         scene.passes = [*groups, *matte_passes("object", 4), *matte_passes("material", 2)]
         return scene

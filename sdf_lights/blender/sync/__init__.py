@@ -28,7 +28,6 @@ from .neighbor_frames import NeighborFrames, has_vectors
 from .objects import ALL, LIGHTS, sync_objects
 from .simplify import Culling, texture_limit, texture_share
 from .unmodelled import report_unmodelled
-from .volumes import report_groups
 from .world import mist_of, world_of
 
 __all__ = [
@@ -88,7 +87,7 @@ def sync_views(
     )
     warn(cycles.missing(blender_scene))
     warn(versions.newer(depsgraph))
-    scene.passes = layer_passes(depsgraph.view_layer)
+    scene.passes, scene.alpha_threshold = layer_passes(depsgraph.view_layer), depsgraph.view_layer.pass_alpha_threshold
     if is_enabled(BY_NAME["UV"], depsgraph.view_layer):
         scene.attributes.append(UV)
     kind = None
@@ -99,7 +98,6 @@ def sync_views(
         kept.begin(depsgraph)
         scene.kept = kept.back_end
     _fill(depsgraph, scene, warn, motion=motion, eyes=eyes, kept=kept)
-    report_groups(scene, warn)
     report_unmodelled(depsgraph, _world(depsgraph), warn)
     return scene, eyes
 
@@ -168,7 +166,7 @@ def _fill(
     if world is not None:
         scene.mist, scene.occlusion_distance = mist_of(world.mist_settings), world.light_settings.distance
     if view_layer.use_sky:
-        scene.world = world_of(world, depsgraph, images, warn)
+        scene.world = world_of(world, depsgraph, images, warn, scene.passes)
     kinds = ALL if view_layer.use_solid else ALL - {"MESH"}
     if not view_layer.use_strand:
         kinds -= {"CURVES"}

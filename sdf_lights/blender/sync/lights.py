@@ -60,11 +60,13 @@ def light_of(
 
 
 def control(light: Lamp | Light, obj: bpy.types.Object, linking: dict[str, int]) -> None:
-    """Set the fields of a lamp or light from its object: linking, passes, and Cycles' settings of the light."""
+    """Set the fields of a lamp or light from its object: linking, passes, shadow catchers, and Cycles' settings of
+    the light."""
     for name, value in linking.items():
         setattr(light, name, value)
     data = obj.data
     light.light_group = obj.original.lightgroup
+    light.lights_catchers = obj.original.is_shadow_catcher
     light.own_pass = own_pass_name(obj.original) if data.sdf_lamp.use_pass else ""
     cycles = getattr(data, "cycles", None)  # exists only while the Cycles add-on is enabled
     light.max_bounces = getattr(cycles, "max_bounces", MANY_BOUNCES)

@@ -13,16 +13,14 @@ from ...render.material import SHARP_FACE, UNDISPLACED, Attribute, Material, Nod
 from ...render.nodes.normals import displaced_as_bump
 from ...render.scene import Scene
 from ..shader_trees import node_tree_of
+from .aovs import aovs_of
 from .common import Warnings, rgb
 from .images import Images
 from .nodes import Reader
 from .volumes import medium_of
-from .zones import DEEPEST, Frame, Stack
 
 # Cycles' surface without a material.
 DEFAULT = "principled" if bpy.app.version >= (5, 0, 0) else "diffuse"
-
-_MOST_GROUPS = 4096  # nodes of one material, among which AOV Output nodes are searched
 
 
 class Materials:
@@ -49,23 +47,6 @@ class Materials:
         found = set(attributes_of(materials, self._scene.attributes))
         return found | {SHARP_FACE} if any(material.displacement is not None for material in materials) else found
 
-    def _aovs(self, tree: bpy.types.NodeTree, reader: Reader) -> dict:
-        """The inputs of AOV Output nodes, also those in groups, if there is a pass of that name."""
-        found: dict = {}
-        values = {item.name: len(item.channels) == 1 for item in self._scene.passes}
-        waiting: list[tuple[bpy.types.NodeTree, Stack]] = [(tree, ())] if values else []
-        for inner, stack in waiting:
-            for node in inner.nodes:
-                if node.mute:
-                    continue
-                if node.bl_idname == "ShaderNodeOutputAOV" and node.aov_name in values:
-                    name, like = ("Value", 0.0) if values[node.aov_name] else ("Color", (0.0, 0.0, 0.0))
-                    found[node.aov_name] = reader.read(node.inputs[name], like, stack)
-                elif node.bl_idname == "ShaderNodeGroup" and node.node_tree is not None:
-                    if len(stack) <= DEEPEST and len(waiting) < _MOST_GROUPS:
-                        waiting.append((node.node_tree, (*stack, Frame(node))))
-        return found
-
     def _read(self, material: bpy.types.Material) -> Material:
         tree = node_tree_of(material)
         if tree is None:
@@ -77,7 +58,8 @@ class Materials:
         output = reader.output()
         if output is None:
             return Material(material.name)
-        sampling = getattr(getattr(material, "cycles", None), "emission_sampling", "AUTO")
+        cycles = getattr(material, "cycles", None)  # exists only while the Cycles add-on is enabled
+        sampling = getattr(cycles, "emission_sampling", "AUTO")
         surface, displacement, normal = reader.read(output.inputs["Surface"], None), None, None
         if reader.resolve(output.inputs["Displacement"])[0] is not None:
             moved = reader.read(output.inputs["Displacement"], (0.0, 0.0, 0.0))
@@ -89,7 +71,8 @@ class Materials:
                     surface, moved, None if method == "BUMP" else reader.parametric(UNDISPLACED)
                 )
         medium = medium_of(reader, output, owner, self._warn)
-        if surface is None and reader.resolve(output.inputs["Volume"])[0] is not None:
+        bounds = reader.resolve(output.inputs["Volume"])[0] is not None
+        if surface is None and bounds:
             surface = Node("transparent")  # the surface only bounds a volume
         return Material(
             material.name,
@@ -101,5 +84,7 @@ class Materials:
             material.displacement_method == "BOTH",
             normal,
             material.pass_index,
-            self._aovs(tree, reader),
+            aovs_of(tree, reader, self._scene.passes),
+            material.use_transparent_shadow or bounds,  # as in Cycles
+            getattr(cycles, "use_bump_map_correction", True),
         )

@@ -96,17 +96,6 @@ def passes(asked: Asked) -> Iterator[str]:
         )
 
 
-def alpha_threshold(asked: Asked) -> Iterator[str]:
-    """Another alpha from which on a surface has depth, normals and indices."""
-    layer = asked.view_layer
-    data = ("z", "position", "normal", "uv", "vector", "object_index", "material_index")
-    if layer.pass_alpha_threshold != 0.5 and any(getattr(layer, f"use_pass_{name}") for name in data):
-        yield (
-            f"View layer '{layer.name}': its Alpha Threshold is not supported: depth, normals and indices are those of the "
-            "first surface whose alpha is above 0.5."
-        )
-
-
 # -- objects -----------------------------------------------------------------------------------------------------------
 
 
@@ -147,35 +136,7 @@ def shadow_terminators(asked: Asked) -> Iterator[str]:
             )
 
 
-def materials(asked: Asked) -> Iterator[str]:
-    """Settings of materials."""
-    used = {slot.material for obj in asked.objects for slot in obj.material_slots if slot.material is not None}
-    for material in sorted((each.original for each in used), key=lambda each: each.name):
-        if not material.use_transparent_shadow:
-            yield (
-                f"Material '{material.name}': its transparent parts always let light through; switch its Transparent "
-                "Shadows on in Cycles to compare."
-            )
-        if not _cycles(material, "use_bump_map_correction", True):
-            yield (
-                f"Material '{material.name}': bumps always darken where they face away from the surface; switch its Bump "
-                "Map Correction on in Cycles to compare."
-            )
-
-
 # -- lights and the world ----------------------------------------------------------------------------------------------
-
-
-def lights_of_catchers(asked: Asked) -> Iterator[str]:
-    """Lights that do not count for shadow catchers."""
-    if not any(obj.original.is_shadow_catcher for obj in asked.objects if obj.type != "LIGHT"):
-        return
-    without = sorted({obj.name for obj in asked.objects if obj.type == "LIGHT" and not obj.original.is_shadow_catcher})
-    if without:
-        yield (
-            f"Scene '{asked.scene.name}': all lights count for shadow catchers, also {_names(without)}; switch their "
-            "Shadow Catcher on in Cycles to compare."
-        )
 
 
 def shadow_caustics(asked: Asked) -> Iterator[str]:
@@ -199,29 +160,12 @@ def world_shadows(asked: Asked) -> Iterator[str]:
         yield f"World '{world.name}': its light always casts shadows; switch its Cast Shadow on in Cycles to compare."
 
 
-def world_aovs(asked: Asked) -> Iterator[str]:
-    """AOV Output nodes of the world."""
-    tree, names = getattr(asked.world, "node_tree", None), {aov.name for aov in asked.view_layer.aovs if aov.is_valid}
-    nodes = tree.nodes if tree is not None and names else ()
-    given = {node.aov_name for node in nodes if node.bl_idname == "ShaderNodeOutputAOV" and not node.mute}
-    if given & names:
-        yield (
-            f"World '{asked.world.name}': AOV Output nodes of worlds are not supported, so "
-            f"{_names(sorted(given & names))} is 0 where the world is seen; use the material of a large sphere "
-            "instead."
-        )
-
-
 CHECKS: tuple[Callable[[Asked], Iterator[str]], ...] = (
     settings_of_cycles,
     passes,
-    alpha_threshold,
     light_linking,
     subdivision,
     shadow_terminators,
-    materials,
-    lights_of_catchers,
     shadow_caustics,
     world_shadows,
-    world_aovs,
 )

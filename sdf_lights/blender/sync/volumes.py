@@ -13,9 +13,7 @@ import numpy as np
 from ...graph.formula import Vector, constant
 from ...render.medium import BLACK, RGB, Medium, Scattering
 from ...render.nodes.means import mean_inside, varies
-from ...render.passes import light_group_pass
 from ...render.phases import fournier_forand_mean, limited, mie
-from ...render.scene import Scene
 from ...sdf.builtin_colors import blackbody
 from .common import Warnings
 from .node_values import numbers_of
@@ -35,20 +33,6 @@ def medium_of(reader: Reader, output: bpy.types.Node, owner: str, warn: Warnings
         )
         found = replace(found, emission=BLACK)
     return None if found.does_nothing else found
-
-
-def report_groups(scene: Scene, warn: Warnings) -> None:
-    """Warn about objects whose volume emission is missing from their light group."""
-    groups = {item.name for item in scene.passes}
-    for instance in scene.instances:
-        media = (scene.materials[index].medium for index in instance.materials)
-        if not instance.light_group or light_group_pass(instance.light_group).name not in groups:
-            continue
-        if any(medium is not None and any(medium.emission) for medium in media):
-            warn(
-                f"Object '{instance.name}': the emission of its volume is not counted in the light group "
-                f"'{instance.light_group}'; let its surface glow, or take that light from Emission."
-            )
 
 
 class _Volume:

@@ -11,8 +11,11 @@ import mathutils
 import numpy as np
 
 from ...render.images import MISSING
+from ...render.material import Material
+from ...render.passes import Pass
 from ...render.scene import MANY_BOUNCES, Mist, Ray, World
 from ..shader_trees import node_tree_of
+from .aovs import aovs_of
 from .common import Warnings, rgb
 from .images import Images
 from .node_inputs import texture_matrix
@@ -29,8 +32,14 @@ _RAYS = {
 }
 
 
-def world_of(world: bpy.types.World | None, depsgraph: bpy.types.Depsgraph, images: Images, warn: Warnings) -> World:
-    """The world; black where the scene has none."""
+def world_of(
+    world: bpy.types.World | None,
+    depsgraph: bpy.types.Depsgraph,
+    images: Images,
+    warn: Warnings,
+    passes: list[Pass],
+) -> World:
+    """The world, with the shader AOVs that are among the ``passes``; black where the scene has none."""
     if world is None:
         return World()
     visibility = Ray.ALL
@@ -39,12 +48,17 @@ def world_of(world: bpy.types.World | None, depsgraph: bpy.types.Depsgraph, imag
             visibility &= ~ray
     bounces = getattr(getattr(world, "cycles", None), "max_bounces", MANY_BOUNCES)
     return replace(
-        _shaded(world, depsgraph, images, warn, visibility), max_bounces=bounces, light_group=world.lightgroup
+        _shaded(world, depsgraph, images, warn, visibility, passes), max_bounces=bounces, light_group=world.lightgroup
     )
 
 
 def _shaded(
-    world: bpy.types.World, depsgraph: bpy.types.Depsgraph, images: Images, warn: Warnings, visibility: Ray
+    world: bpy.types.World,
+    depsgraph: bpy.types.Depsgraph,
+    images: Images,
+    warn: Warnings,
+    visibility: Ray,
+    passes: list[Pass],
 ) -> World:
     tree = node_tree_of(world)
     if tree is None:
@@ -55,7 +69,10 @@ def _shaded(
     if output is None:
         return World(visibility=visibility)
     medium = medium_of(reader, output, owner, warn)
-    return replace(_background(reader, output, owner, images, visibility), medium=medium)
+    found = _background(reader, output, owner, images, visibility)
+    values = aovs_of(tree, reader, passes)
+    aovs = Material(owner, None, parameters=reader.parameters, aovs=values) if values else None
+    return replace(found, medium=medium, aovs=aovs)
 
 
 def mist_of(settings: bpy.types.WorldMistSettings) -> Mist:

@@ -24,7 +24,7 @@ from ..kernels.light_paths.records import (
 from ..kernels.light_paths.trace import dim_unseen, find_pilots, trace_light_paths
 from ..kernels.outputs.records import LOBES
 from ..kernels.shading.material_records import LOBE_ALPHA, LOBE_DIFFUSE, LOBE_PRINCIPLED, LOBE_TRANSLUCENT
-from ..kernels.shading.records import GLOSSY, HAS_TRANSPARENCY, TRANSMISSION
+from ..kernels.shading.records import GLOSSY, HAS_TRANSPARENCY, STOPS_LIGHT_RAYS, TRANSMISSION
 from ..kernels.shading.special_lobes import (
     LOBE_SHEEN,
     LOBE_SUBSURFACE,
@@ -67,7 +67,8 @@ def can_connect(scene: Scene, packed: PackedScene) -> bool:
     - Each object is met by all kinds of rays but the camera's or by none, as a light path does not know yet what kind
       of ray it is seen by. For the same reason no material asks for the ray that meets it, no caustics are off, and no
       glossy filter is on.
-    - Nothing moves, scatters in a volume or catches shadows, and strands are opaque.
+    - Nothing moves, scatters in a volume or catches shadows, and strands are opaque. What is transparent is so to light
+      rays, too.
     - No pass wants light by the lobe that scattered it first: what connections take from a ray is of diffuse lobes
       alone.
     - A light path has ``MOST_VERTICES`` at most, and passes transparent surfaces where there are some.
@@ -91,6 +92,7 @@ def can_connect(scene: Scene, packed: PackedScene) -> bool:
         and block["caustics"] == GLOSSY | TRANSMISSION
         and not (packed.table("lobes")["features"] & ONCE).any()
         and not (packed.table("materials")["flags"][_on_strands(scene)] & HAS_TRANSPARENCY).any()
+        and not (packed.table("materials")["flags"] & STOPS_LIGHT_RAYS).any()
         and not any(
             node.kind == VARIABLE and node.value[0] in BY_PATH
             for roots in packed.graphs.structures

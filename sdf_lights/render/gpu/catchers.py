@@ -8,9 +8,7 @@ the GPU it continues in the same scene: rays pass through all other objects, whi
 from __future__ import annotations
 
 from ...jit import kernel
-from ..kernels.geometry import instance_table
-from ..kernels.lights import triangle
-from ..kernels.lights.kinds import TRIANGLE
+from ..kernels.lights import linking
 from ..kernels.lights.records import emitter_table
 from ..scene import Scene
 from .bvh import CATCHER
@@ -36,10 +34,18 @@ def is_bare(block):
 def reaches(block, emitter, bounces):
     """Replaces ``lights.reaches``."""
     row = emitter_table(block)[emitter]
-    if is_bare(block) and row.kind == TRIANGLE:
-        if not instance_table(block)[triangle.rows(block)[row.index].instance].catcher:
-            return False
-    return bounces <= row.max_bounces
+    return bounces <= row.max_bounces and not (is_bare(block) and row.beside_catchers != 0)
+
+
+@kernel
+def lights_up(block, number, emitter):
+    """Replaces ``lights.lights_up``."""
+    if is_bare(block) and emitter_table(block)[emitter].beside_catchers != 0:
+        return False
+    if number == 0:
+        return True
+    leaf, endless = linking.place_in(block, number, emitter)
+    return leaf >= 0 or endless >= 0
 
 
 def mask(scene: Scene, index: int, rays: int) -> int:

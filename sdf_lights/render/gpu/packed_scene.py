@@ -63,6 +63,7 @@ SETTLED = frozenset(
         "shows_environment",
         "emitters_hit",
         "transparent_shadows",
+        "stops_light_rays",
         "emission_graphs",
         "finite_lights",
         "lamp_strategy",

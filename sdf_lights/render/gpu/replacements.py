@@ -22,7 +22,7 @@ from ...emitter.sampling import cut, cut_points
 from ...emitter.tree import crossings
 from ...jit import call_part, float_bits, stack_array
 from ..kernels import gather, geometry, lamp_tree, next_event, ray_origins, rays, textures
-from ..kernels.lights import emitters, rectangle, tree, triangle
+from ..kernels.lights import emitters, linking, rectangle, tree, triangle
 from ..kernels.media import in_scattering, light_rays, stack, travel
 from ..kernels.outputs import catchers as output_catchers
 from ..kernels.outputs import data as output_data
@@ -185,7 +185,7 @@ ONE_EMITTER = {tree.select: lamp_kernels.select_only, tree.selection_probability
 ONE_LIGHT_RAY = {next_event.restore_lamp_cut: lamp_kernels.keep_lamp}  # of one emitter, without transparent shadows
 NO_LAMPS = {next_event.sample_lamp_light: lamp_kernels.no_light, gather.last_lamp_exit: lamp_kernels.no_lamp_exit}
 
-CATCHERS = {emitters.reaches: catchers.reaches}
+CATCHERS = {emitters.reaches: catchers.reaches, linking.lights_up: catchers.lights_up}
 
 GROUPS = ALWAYS, WITH_BOXES, WITHOUT_BOXES, BY_PROJECTION, ONE_EMITTER, ONE_LIGHT_RAY, NO_LAMPS, CATCHERS
 

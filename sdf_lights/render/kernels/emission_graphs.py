@@ -46,7 +46,25 @@ def modulated(block, workspace, emitter, radiance, x, wi, distance, kind):
     if record.graph == NO_GRAPH:
         return radiance
     secondary = secondary_table(workspace)[0]
-    surface = surface_table(secondary)[0]
+    _describe(block, workspace, emitter, x, wi, distance, kind)
+    run(block, secondary, record.graph, record.slots)
+    registers = _registers(secondary)
+    return mul(radiance, (registers[0], registers[1], registers[2]))
+
+
+@kernel
+def run_world_aovs(block, workspace, wi, kind):
+    """Fill the registers of the second workspace with the shader AOVs of the world along wi."""
+    record = emission_table(block)[0]
+    _describe(block, workspace, lights.world_emitter(block), (0.0, 0.0, 0.0), wi, math.inf, kind)
+    if record.aov_graph != NO_GRAPH:
+        run(block, secondary_table(workspace)[0], record.aov_graph, record.aov_slots)
+
+
+@kernel
+def _describe(block, workspace, emitter, x, wi, distance, kind):
+    """Fill the surface of the second workspace with what the nodes of an emitter read."""
+    surface = surface_table(secondary_table(workspace)[0])[0]
     back = negate(wi)
     put(surface.position, wi if distance == math.inf else madd(x, distance, wi))
     put(surface.wo, back)
@@ -58,9 +76,6 @@ def modulated(block, workspace, emitter, radiance, x, wi, distance, kind):
     surface.ray_singular = 0
     surface.ray_length = 0.0 if distance == math.inf else distance
     put_depths(path_table(workspace)[0], surface)
-    run(block, secondary, record.graph, record.slots)
-    registers = _registers(secondary)
-    return mul(radiance, (registers[0], registers[1], registers[2]))
 
 
 @kernel

@@ -26,6 +26,13 @@ from .workspace import cut_of, hit_table, light_cut_of, spans_of
 
 
 @kernel
+def _stopped(block, path):
+    """Whether light rays stop at a surface that the path's ray has passed. As in Cycles, its emission counts as if
+    light rays added the rest."""
+    return block.stops_light_rays != 0 and path.stopped != 0
+
+
+@kernel
 def _mis(block, workspace, emitter, pdf):
     """Weight of emission met by a ray: balance heuristic against light sampling where the path last scattered.
 
@@ -44,6 +51,8 @@ def _mis(block, workspace, emitter, pdf):
         emitter,
         light_cut_of(workspace),
     )
+    if _stopped(block, path):  # as in Cycles, which has the power heuristic
+        return path.pdf * path.pdf / (path.pdf * path.pdf + pmf * pmf * pdf * pdf)
     return path.pdf / (path.pdf + pmf * pdf)
 
 
@@ -182,7 +191,12 @@ def gather_world(block, workspace):
     if hidden:  # from Combined alone
         show_environment(workspace, radiance)
         return
-    pdf = lights.world_pdf(block, vec(path.origin), vec(path.normal), direction) if path.pdf > 0.0 else 0.0
+    pdf = 0.0
+    if path.pdf > 0.0:
+        if _stopped(block, path):
+            pdf = lights.pdf_in_cycles(block, vec(path.origin), direction)
+        else:
+            pdf = lights.world_pdf(block, vec(path.origin), vec(path.normal), direction)
     contribute(block, workspace, radiance, _mis(block, workspace, world, pdf), world, path.bounce)
 
 

@@ -55,6 +55,7 @@ from .shading.records import (
     INTO_SUBSURFACE,
     NEEDS_RAY,
     SINGULAR,
+    STOPS_LIGHT_RAYS,
     THROUGH_PORTAL,
     TRANSMISSION,
     TRANSPARENT,
@@ -74,12 +75,14 @@ SCALARS = [
     ("transparent_bounces", np.int64),
     ("clamp_direct", np.float64),
     ("clamp_indirect", np.float64),
+    ("clearest", np.float64),  # of a surface that has data: ``Scene.clearest``
     ("transparent_film", np.int64),
     ("shows_environment", np.int64),  # 1: a pass has what a transparent film hides
     ("filter_glossy", np.float64),  # blurs what rays of a density below it meet
     ("caustics", np.int64),  # bits of GLOSSY and TRANSMISSION: what may follow a diffuse bounce
     ("emitters_hit", np.int64),  # 1: rays can meet emission other than that of SDF lamps
     ("transparent_shadows", np.int64),
+    ("stops_light_rays", np.int64),  # 1: there are transparent surfaces that stop light rays
     ("lamp_count", np.int64),
     ("finite_lights", np.int64),  # 1: there are Blender lights that rays can meet
 ]
@@ -95,7 +98,7 @@ ENDS, GOES_ON, DIVIDES = range(3)  # what becomes of a path at a surface
 
 @kernel
 def record_first_surface(block, workspace):
-    """Data passes: the first surface that the camera sees and that is more solid than transparent."""
+    """Data passes: the first surface that the camera sees and that is solid enough."""
     sample = sample_table(workspace)[0]
     surface = surface_table(workspace)[0]
     sample.found = 1
@@ -176,6 +179,8 @@ def scatter(block, workspace):
     if kind & TRANSPARENT:
         # The ray goes on as the same ray: its origin, pdf and kind stay, so MIS still compares what it should.
         path.transparent += 1
+        if block.stops_light_rays:
+            path.stopped |= shading_material_table(block)[surface.material].flags & STOPS_LIGHT_RAYS
         if path.transparent >= block.transparent_bounces:
             path.last = 1  # as in Cycles: the surface behind the last one only shows its emission
         path.t_min = beyond(path.length)
@@ -199,7 +204,7 @@ def scatter(block, workspace):
         path.least_pdf = min(path.least_pdf, pdf)
     path.glossy_pdf = glossy_pdf
     path.kind = kind & (DIFFUSE | GLOSSY | TRANSMISSION)
-    path.in_medium, path.light_tree = 0, lights.tree_of(block, surface.instance)
+    path.in_medium, path.stopped, path.light_tree = 0, 0, lights.tree_of(block, surface.instance)
     return True
 
 
@@ -245,6 +250,7 @@ def start_path(block, workspace, x, y):
     path.kind = CAMERA
     path.bounce = path.diffuse = path.glossy = path.transmission = path.volume = path.transparent = path.last = 0
     path.event, path.in_medium, path.crossed, path.catches, path.connects = AT_SURFACE, 0, 0, 0, NOWHERE
+    path.stopped = 0
     path.left = 1.0
     path.dimension = CAMERA_SETS
     path.share, path.scattered, path.light_tree = 1.0, 0, 0
@@ -376,7 +382,7 @@ def shade_and_scatter(block, workspace, whole):
     if path.kind == CAMERA:
         subtract_alpha(workspace, surface.holdout)
         put_sum(sample.diffuse_albedo, mul(vec(path.throughput), vec(surface.diffuse_albedo)))
-        first = not sample.found and average(vec(surface.transparency)) < 0.5
+        first = not sample.found and average(vec(surface.transparency)) <= block.clearest
         if first:
             record_first_surface(block, workspace)
         if block.outputs & DATA:
@@ -388,6 +394,7 @@ def shade_and_scatter(block, workspace, whole):
             return ENDS
         if not surface.portal:
             path.transparent += 1
+            path.stopped |= flags & STOPS_LIGHT_RAYS
             path.t_min = beyond(t_to)
             put(path.throughput, mul(vec(path.throughput), transparent))
             if block.has_media:

@@ -27,7 +27,7 @@ from .lights import kinds
 from .media import pack as media
 from .media import records as media_records
 from .outputs import records as output_records
-from .shading.records import GLOSSY, HAS_EMISSION, HAS_TRANSPARENCY, TRANSMISSION
+from .shading.records import GLOSSY, HAS_EMISSION, HAS_TRANSPARENCY, STOPS_LIGHT_RAYS, TRANSMISSION
 from .subsurface import records as subsurface_records
 
 
@@ -257,11 +257,13 @@ def integrator_scalars(scene: Scene, flags: np.ndarray, tables: dict[str, np.nda
     emissive = bool((flags & HAS_EMISSION).any())
     return {
         **{name: getattr(settings, name) for name in names},
+        "clearest": scene.clearest,
         "finite_lights": finite,
         "shows_environment": 0,
         "caustics": settings.caustics_reflective * GLOSSY | settings.caustics_refractive * TRANSMISSION,
         "emitters_hit": finite or world or emissive or media.glows(scene),
         "transparent_shadows": bool((flags & HAS_TRANSPARENCY).any()),
+        "stops_light_rays": bool((flags & STOPS_LIGHT_RAYS).any()),
         "lamp_count": len(tables["lamps"]),
         **dict(zip(("lamp_strategy", "lamp_bsdf_mis_scale"), LAMP_STRATEGIES[settings.lamp_sampling])),
     }

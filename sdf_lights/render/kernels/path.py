@@ -74,7 +74,8 @@ SAMPLE = np.dtype(
 # too; of that, they can estimate the part ``taken`` (RGB). It is BEYOND from the next surface on: then they do estimate
 # the part ``taken`` of what lamps add in the present direction, and ``share_taken`` (RGB) of what the surface scatters
 # by those closures that light paths ``follow`` there. ``left`` is the part that they are expected to leave to the ray,
-# if Russian roulette has counted on that; else 1. ``catches`` is 1 once the camera's path has hit a shadow catcher.
+# if Russian roulette has counted on that; else 1. ``stopped`` is not 0 if the ray has passed a surface that stops light
+# rays. ``catches`` is 1 once the camera's path has hit a shadow catcher.
 # ``spans`` still holds the ``kept_count`` intervals of the lamp ``kept`` along the ray; −1: of none.
 PATH = np.dtype(
     [
@@ -102,6 +103,7 @@ PATH = np.dtype(
         ("transmission", "i8"),
         ("volume", "i8"),
         ("transparent", "i8"),
+        ("stopped", "i8"),
         ("last", "i8"),
         ("found", "i8"),
         ("kept", "i8"),

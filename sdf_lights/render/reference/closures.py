@@ -293,13 +293,14 @@ class Microfacet(Lobe):
 
 def specular_normal(surface: Surface, normal: np.ndarray) -> np.ndarray:
     """``normal`` (N, 3) turned towards the geometric one just so far that the mirror direction of wo leaves the
-    surface; of a curve, as it is, as in Cycles.
+    surface; of a curve, or where bumps stay uncorrected, as it is, as in Cycles.
 
     By bisection of the way between the two normals.
     """
     height = dot(surface.ng, surface.wo)
     least = np.minimum(0.9 * height, 0.01)
-    rows = np.flatnonzero((dot(reflect(surface.wo, normal), surface.ng) < least) & (surface.strand == 0))
+    free = (surface.strand != 0) | surface.uncorrected
+    rows = np.flatnonzero((dot(reflect(surface.wo, normal), surface.ng) < least) & ~free)
     if not len(rows):
         return normal
     n, g, wo = normal[rows], surface.ng[rows], surface.wo[rows]

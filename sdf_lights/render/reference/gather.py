@@ -38,12 +38,15 @@ def is_lit(receivers: int, light_set: np.ndarray) -> np.ndarray:
 def balance_weight(
     data: SceneData, paths: Paths, light_pdf: np.ndarray, visibility: Ray = Ray.ALL, control: Control = NO_CONTROL
 ) -> np.ndarray:
-    """Balance heuristic (N,) for emission that rays have hit, with the density ``paths.pdf``; 1 if that is 0."""
+    """Balance heuristic (N,) for emission that rays have hit, with the density ``paths.pdf``; 1 if that is 0. Behind
+    what stops light rays, the power heuristic of Cycles."""
     pdf = paths.pdf
     if not competes(visibility, control):
         return np.where(pdf > 0.0, 0.0, 1.0)
     light_pdf = light_pdf * data.light_samples
     weight = np.where(pdf > 0.0, pdf / np.where(pdf > 0.0, pdf + light_pdf, 1.0), 1.0)
+    power = weight**2 / (weight**2 + (1.0 - weight) ** 2)
+    weight = np.where(paths.stopped, power, weight)
     return np.where((pdf > 0.0) & (paths.bounces[:, 0] - 1 > control.max_bounces), 0.0, weight)
 
 
@@ -106,9 +109,8 @@ def gather_sky(data: SceneData, paths: Paths, samples: Samples) -> None:
     if data.sky.black:
         return
     visible = (paths.kind & data.sky.visibility) != 0
-    weight = visible * balance_weight(
-        data, paths, data.sky.pdf(paths.direction), data.sky.visibility, data.control[id(data.sky)]
-    )
+    pdf = np.where(paths.stopped & (data.sky.pixels is None), 0.0, data.sky.pdf(paths.direction))  # as in Cycles
+    weight = visible * balance_weight(data, paths, pdf, data.sky.visibility, data.control[id(data.sky)])
     radiance = data.sky.radiance(paths.direction, paths.kind) * weight[:, None]
     contribute(data, paths, radiance, paths.bounces[:, 0], samples, sky=True)
 

@@ -51,6 +51,11 @@ class Surface:
     strand: np.ndarray
     tangent: np.ndarray
     number: np.ndarray
+    uncorrected: np.ndarray | None = None  # its material leaves bumps uncorrected: known once it is shaded
+
+    def __post_init__(self):
+        if self.uncorrected is None:
+            self.uncorrected = np.zeros(len(self.distance), bool)
 
     def select(self, rows: np.ndarray) -> "Surface":
         """The hits of some rows, given as indices (n,) or as a mask (N,)."""

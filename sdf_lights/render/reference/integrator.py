@@ -70,6 +70,7 @@ class Integrator:
             channel,
             np.zeros(count, int),
             np.full(count, NONE),
+            np.zeros(count, bool),
         )
         while len(paths.sample):
             if stop():
@@ -186,6 +187,7 @@ class Integrator:
             least_pdf=np.minimum(paths.least_pdf, pdf),
             light_set=self.data.media.light_set(paths.inside),
             left=np.full(len(rows), NONE),
+            stopped=np.zeros(len(rows), bool),
         )
 
     def _meet(self, paths: Paths, hits: Hits, end: np.ndarray, samples: Samples, rng: np.random.Generator) -> Paths:
@@ -215,10 +217,10 @@ class Integrator:
         return self._scatter(paths, surface, shading, end, samples, rng)
 
     def _record(self, paths: Paths, surface: Surface, shading: Shading, end: np.ndarray, samples: Samples) -> None:
-        """Data passes: the first surface that the camera sees and that is more solid than transparent."""
+        """Data passes: the first surface that the camera sees and that is solid enough."""
         camera = paths.kind == Ray.CAMERA
         samples.diffuse_albedo[paths.sample[camera]] += (paths.throughput * shading.diffuse_albedo)[camera]
-        first = camera & (shading.transparency.mean(1) < 0.5) & ~samples.found[paths.sample]
+        first = camera & (shading.transparency.mean(1) <= self.data.scene.clearest) & ~samples.found[paths.sample]
         rows = paths.sample[first]
         samples.found[rows], samples.depth[rows] = True, end[first]
         samples.position[rows], samples.normal[rows] = surface.position[first], surface.ns[first]
@@ -284,6 +286,7 @@ class Integrator:
         alive &= rng.random(len(survival)) < survival
         throughput = throughput / survival[:, None]
         direction = np.where(straight[:, None], paths.direction, wi)
+        material = self.data.geometry.material(surface.instance, surface.triangle)
         away = through & (((shading.exit - surface.position) ** 2).sum(1) > 1e-9)
         start = np.where(
             away[:, None], shading.exit, self.data.geometry.offset(surface.position, surface.ng, direction)
@@ -307,4 +310,5 @@ class Integrator:
             paths.channel,
             paths.volume,
             surface.number,
+            passes & (paths.stopped | self.data.materials.stops[material]),
         ).select(alive)

@@ -136,6 +136,7 @@ def _bump_shadowing(surface: Surface, lobe: Lobe, wi: np.ndarray) -> np.ndarray:
     if lobe.diffuse:
         tilt2 = np.clip(tilt * tilt, 1e-12, 1.0)
         factor = 1.0 / (1.0 + masking(np.minimum(0.125 * (1.0 / tilt2 - 1.0), 1.0), np.minimum(np.abs(cosine), 1.0)))
+        factor = np.where(surface.uncorrected, 1.0, factor)
     return np.where(bumped, factor * (cosine * tilt * dot(lobe.normal, wi) >= 0.0), 1.0)
 
 
@@ -179,7 +180,9 @@ class Materials:
         self.materials = scene.materials or [Material("Default", Node("diffuse"))]
         self.graphs = [Graph(material) for material in self.materials]
         self.emissive = np.array([m.sample_emission and _may_emit(g) for m, g in zip(self.materials, self.graphs)])
-        self.clear = np.array([_may_pass(graph) for graph in self.graphs])
+        passable = np.array([_may_pass(graph) for graph in self.graphs])
+        opens = np.array([material.transparent_shadows for material in self.materials])
+        self.clear, self.stops = passable & opens, passable & ~opens
 
     def _groups(self, surface: Surface):
         material = self.geometry.material(surface.instance, surface.triangle)
@@ -191,6 +194,7 @@ class Materials:
         rays."""
         shading = Shading(surface)
         for index, rows in self._groups(surface):
+            surface.uncorrected[rows] = not self.materials[index].bump_correction
             part = surface.select(rows)
             graph = self.graphs[index]
             points = Points(graph, part, self.geometry, self.scene.images, footprint[rows], rng)
@@ -219,6 +223,7 @@ class Materials:
         subsurface closures there."""
         shading = Shading(surface)
         for index, rows in self._groups(surface):
+            surface.uncorrected[rows] = not self.materials[index].bump_correction
             part, normal = surface.select(rows), surface.ns[rows]
             if any(
                 node.kind in ("subsurface", "principled") and node["normal"] is not None

@@ -38,6 +38,7 @@ class Paths:
     channel: np.ndarray  # of RGB, which alone has light in a scene with media
     volume: np.ndarray  # bounces in media
     left: np.ndarray  # number of the curve or sphere that the ray leaves, which it does not hit again
+    stopped: np.ndarray  # it has passed a surface that stops light rays
 
     def select(self, rows: np.ndarray) -> "Paths":
         """Some of the paths, given as indices (n,) or as a mask (N,)."""

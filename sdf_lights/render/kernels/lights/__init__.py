@@ -21,7 +21,7 @@ from .emitters import (
     visibility,
     world_emitter,
 )
-from .environment import world_pdf, world_radiance
+from .environment import pdf_in_cycles, world_pdf, world_radiance
 from .linking import emission_lights_up, lights_up, open_tree, shadow_bits, tree_of
 from .pack import TABLES, hit_capacity, pack_lights, pack_near
 from .records import HIT, WORKSPACE_COUNTS, WORKSPACE_TABLES, light_cut_table
@@ -52,6 +52,7 @@ __all__ = [
     "open_tree",
     "pack_lights",
     "pack_near",
+    "pdf_in_cycles",
     "reaches",
     "sample_light",
     "select",

@@ -13,7 +13,7 @@ import math
 import numpy as np
 
 from ....jit import kernel
-from ....vec import dot, frame, mul, sub, to_world, transform_normal, transform_vector, vec
+from ....vec import ZERO, dot, frame, mul, sub, to_world, transform_normal, transform_vector, vec
 from ...images import colors
 from ...scene import Ray
 from .cone import FULL_SPHERE, cone_pdf, sample_cone, sample_sphere
@@ -192,6 +192,14 @@ def world_pdf(block, x, n, d):
         if total > 0.0:
             return (1.0 - SHARE) * pdf + SHARE * portal_pdf(block, x, total, d)
     return pdf
+
+
+@kernel
+def pdf_in_cycles(block, x, d):
+    """Density with which Cycles samples the world in direction d at the point x. It draws no light rays to a world of
+    one colour."""
+    header = header_table(block)[0]
+    return world_pdf(block, x, ZERO, d) if header.height > 0 or header.portal_count > 0 else 0.0
 
 
 @kernel

@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from ....jit import kernel
+from ....replaced import replaced_on_gpu
 from ...scene import ALL_SETS, OPEN_SET, Emitter, Scene
 from ..rays import SHADOW_BITS, SHADOW_OPAQUE
 from .records import PLACE, TREE, emitter_table, header_table, link_table, place_table, tree_of_table
@@ -115,6 +116,7 @@ def open_tree(block):
     return header_table(block)[0].open_tree
 
 
+@replaced_on_gpu
 @kernel
 def lights_up(block, number, emitter):
     """Whether an emitter that gives light is in tree ``number``."""

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...medium import hides_horizon
-from ...scene import ALL_SETS, MANY_BOUNCES, Emitter, Lamp, Ray, Scene
+from ...scene import ALL_SETS, MANY_BOUNCES, Emitter, Lamp, Ray, Scene, catches_shadows
 from ..rays import SHADOW_OPAQUE
 from . import environment, portals, records, triangle
 from .extent import Far
@@ -143,11 +143,15 @@ def _control(emitters, scene: Scene, members: list[Emitter]) -> None:
         row = emitters[emitter]
         row["blockers"] = shadow_bit(bits, member.blockers)
         row["max_bounces"] = member.max_bounces
+        row["beside_catchers"] = not member.lights_catchers
         row["alone"] = row["blockers"] != SHADOW_OPAQUE
         row["met"] = NEVER if member.sampled_only else 0
 
 
 def _control_triangles(emitters, scene: Scene, triangles: Triangles, first: int) -> None:
+    if catches_shadows(scene):
+        own = np.array([not instance.catcher for instance in scene.instances], np.int32)
+        emitters["beside_catchers"][first:] = own[triangles.instance]
     if any(instance.blockers != ALL_SETS for instance in scene.instances):
         bits = shadow_bits(scene)
         own = np.array([shadow_bit(bits, instance.blockers) for instance in scene.instances], np.int32)

@@ -25,6 +25,7 @@ EMITTER = np.dtype(
             np.int32,
         ),  # kind of ray stopped by the opaque surfaces that cast its shadows: rays.SHADOW_OPAQUE, or a separate bit
         ("max_bounces", np.int32),  # of the objects that it lights
+        ("beside_catchers", np.int32),  # 1: its light is missing where there are only shadow catchers
         ("camera_brightness", np.float64),  # factor for camera rays on a lamp
     ],
     align=True,

@@ -10,14 +10,14 @@ from ....jit import kernel
 from ....vec import largest, madd, mul, put, scale, vec
 from ...scene import Ray
 from ..outputs.state import scattered_in_medium
-from ..path import KEPT_RAY, MEDIA_SETS, NO_EMITTER, PHASE_SET, TRAVEL_SET, contribute, path_table
+from ..path import KEPT_RAY, MEDIA_SETS, NO_EMITTER, PHASE_SET, TRAVEL_SET, contribute, of_instance, path_table
 from ..ray_origins import clear_self_primitive
 from ..rays import ray_table
 from ..samplers import get_2d, get_3d
 from .beams import attenuation, channel_probabilities, distance_density, distance_in, gathered_rgb
 from .in_scattering import light_ray
 from .phase import phase, sample_phase
-from .records import inside_table
+from .records import WORLD, inside_table
 from .stack import receiver
 
 VOLUME = int(Ray.VOLUME)
@@ -26,10 +26,13 @@ BLACK = (0.0, 0.0, 0.0)
 
 @kernel
 def _add_glow(block, workspace, length):
-    """Add the emission of the media along the path's ray."""
+    """Add the emission of the media along the path's ray. As in Cycles, it belongs to the object whose medium the path
+    has entered last."""
     path, inside = path_table(workspace)[0], inside_table(workspace)[0]
     emission = mul(vec(inside.emission), gathered_rgb(vec(inside.extinction), length))
-    contribute(block, workspace, emission, 1.0, NO_EMITTER, path.bounce)
+    owner = inside.owner[inside.count - 1]
+    source = NO_EMITTER if owner == WORLD else of_instance(owner)
+    contribute(block, workspace, emission, 1.0, source, path.bounce)
 
 
 @kernel
@@ -140,6 +143,6 @@ def scatter(block, workspace, unused):
     path.t_min, path.t_max, path.near = 0.0, np.inf, 0.0
     path.pdf, path.glossy_pdf = density, 0.0
     path.least_pdf = min(path.least_pdf, density)
-    path.two_sided, path.has_glossy, path.in_medium = 1, 0, 1
+    path.two_sided, path.has_glossy, path.in_medium, path.stopped = 1, 0, 1, 0
     path.kind, path.light_tree = VOLUME, receiver(block, inside)
     return 1.0

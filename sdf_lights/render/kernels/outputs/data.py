@@ -9,10 +9,12 @@ import math
 from ....jit import kernel, table
 from ....vec import ZERO, add, average, dot, frame, length, madd, mul, normalize, scale, sub, to_world, vec
 from ...nodes.lookups import attribute_here
+from .. import lights
 from ..camera import ORTHOGRAPHIC, camera_table, view_depth
+from ..emission_graphs import emission_table, run_world_aovs
 from ..geometry import NO_DOMAIN, attribute_table, instance_table, shading_material_table
 from ..next_event import begin_light_ray
-from ..path import OCCLUSION_SETS, path_table, sample_table
+from ..path import CAMERA, OCCLUSION_SETS, path_table, sample_table
 from ..ray_origins import spawn_ray
 from ..rays import SHADOW_OPAQUE
 from ..samplers import get_2d
@@ -35,6 +37,7 @@ from ..shading.records import (
     surface_table,
 )
 from ..visibility import transmittance
+from ..workspace import secondary_table
 from . import dispatch
 from .light import is_diffuse
 from .records import (
@@ -175,9 +178,8 @@ def _add_matte(workspace, surface, weight):
 
 
 @kernel
-def _add_aovs(block, workspace, surface, sums):
-    """Add the values of shader AOVs: the material's registers still hold them."""
-    range_ = shading_material_table(block)[surface.material].aovs
+def _add_aovs(block, workspace, range_, sums):
+    """Add the values of shader AOVs: the workspace's registers hold them."""
     for index in range(range_[0], range_[1]):
         row = _aovs(block)[index]
         place = aov_place_table(block)[row.aov]
@@ -193,8 +195,8 @@ def _add_aovs(block, workspace, surface, sums):
 
 @kernel
 def add_surface(block, workspace, first):
-    """Add the properties of the surface that the camera sees. ``first``: whether it is the first that is more solid
-    than transparent."""
+    """Add the properties of the surface that the camera sees. ``first``: whether it is the first that is solid
+    enough."""
     path, surface = path_table(workspace)[0], surface_table(workspace)[0]
     sums, throughput = output_sum_table(workspace), vec(path.throughput)
     transparency = vec(surface.transparency)
@@ -220,7 +222,7 @@ def add_surface(block, workspace, first):
         return 0.0
     _number(block, sums, _OBJECT_INDEX, instance_table(block)[surface.instance].index)
     _number(block, sums, _MATERIAL_INDEX, shading_material_table(block)[surface.material].index)
-    _add_aovs(block, workspace, surface, sums)
+    _add_aovs(block, workspace, shading_material_table(block)[surface.material].aovs, sums)
     if first and block.outputs & VECTORS:
         dispatch.add_vector(block, workspace)
     place = _place(block, _UV)
@@ -233,13 +235,26 @@ def add_surface(block, workspace, first):
 
 
 @kernel
+def _add_world_aovs(block, workspace, sums):
+    """Add the shader AOVs of the world, where it is part of the picture."""
+    range_, world = emission_table(block)[0].aovs, lights.world_emitter(block)
+    if range_[1] == range_[0] or not lights.visibility(block, world) & CAMERA:
+        return
+    if block.transparent_film and not block.shows_environment:
+        return
+    run_world_aovs(block, workspace, vec(path_table(workspace)[0].direction), CAMERA)
+    _add_aovs(block, secondary_table(workspace)[0], range_, sums)
+
+
+@kernel
 def add_miss(block, workspace, unused):
-    """Drop the numbers of surfaces that are more transparent than solid, because nothing is behind them. The background
-    moves as the camera turns."""
+    """Drop the numbers of surfaces that are too transparent, because nothing is behind them. The background moves as
+    the camera turns."""
     if not sample_table(workspace)[0].found:
         sums = output_sum_table(workspace)
         _number(block, sums, _OBJECT_INDEX, 0)
         _number(block, sums, _MATERIAL_INDEX, 0)
         if block.outputs & VECTORS and block.background_moves:
             dispatch.add_background_vector(block, workspace)
+        _add_world_aovs(block, workspace, sums)
     return 0.0

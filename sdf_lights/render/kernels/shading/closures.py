@@ -148,7 +148,7 @@ def specular_normal(surface, n):
     the plane of n and g: n' = sin a · x + cos a · g. Then r·g = t is cos 2a (o·g) + sin 2a (o·x) = t, solved for the
     angle nearest to g.
     """
-    if surface.strand:  # as in Cycles
+    if surface.strand or surface.uncorrected:  # as in Cycles
         return n
     g, o = vec(surface.ng), vec(surface.wo)
     height = dot(g, o)

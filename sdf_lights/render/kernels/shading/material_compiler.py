@@ -53,7 +53,17 @@ from .material_records import (
     WITH_SHEEN,
     WITH_TRANSMISSION,
 )
-from .records import BENDS_EXITS, CLOSURES, HAS_EMISSION, HAS_SURFACE, HAS_TRANSPARENCY, NEGLIGIBLE, REGISTERS
+from .records import (
+    BENDS_EXITS,
+    CLOSURES,
+    HAS_EMISSION,
+    HAS_SURFACE,
+    HAS_TRANSPARENCY,
+    NEGLIGIBLE,
+    REGISTERS,
+    STOPS_LIGHT_RAYS,
+    UNCORRECTED,
+)
 
 THIRDS = Vector(*[constant(1.0 / 3.0)] * 3)
 
@@ -100,6 +110,8 @@ def pack_materials(scene) -> tuple[dict[str, np.ndarray], Graphs]:
     emissions = np.zeros(1 + len(scene.lights), EMISSION)
     for record, source in zip(emissions, (scene.world, *scene.lights)):
         compiler.compile_emission(source.emission, record)
+    if scene.world.aovs is not None:
+        compiler.compile_world_aovs(scene.world.aovs, emissions[0])
     return {
         "emissions": emissions,
         "materials": records,
@@ -188,13 +200,7 @@ class _SceneCompiler:
             program = _Program(self, material.name, values, shadow)
             program.compile(material.surface)
             if not shadow:
-                first = len(self.aovs)
-                for number, name in enumerate(aov_names(self.scene.passes)):
-                    value = material.aovs.get(name)
-                    if value is not None:
-                        formulas = tuple(value) if isinstance(value, Vector) else (value,)
-                        self.aovs.append((number, len(formulas), program.operand(*formulas)))
-                record["aovs"] = first, len(self.aovs)
+                record["aovs"] = self._compile_aovs(material, program)
                 record["normal"] = NONE if material.normal is None else program.operand(*material.normal)
             prefix = "shadow_" if shadow else ""
             graph, numbers = self.graphs.add(program.roots)
@@ -204,7 +210,35 @@ class _SceneCompiler:
             flags |= program.flags | needs(program.roots, shadow)
             flags |= BENDS_EXITS if material.normal is not None else 0
             emission = np.maximum(emission, program.emission)
+        if flags & HAS_TRANSPARENCY and not material.transparent_shadows:
+            flags ^= HAS_TRANSPARENCY | STOPS_LIGHT_RAYS
+        flags |= 0 if material.bump_correction else UNCORRECTED
         record["flags"], record["emission"] = flags, emission
+
+    def _compile_aovs(
+        self, material: Material, program: _Program, prepared=lambda formulas: formulas
+    ) -> tuple[int, int]:
+        """The range of the AOVs of a material."""
+        first = len(self.aovs)
+        for number, name in enumerate(aov_names(self.scene.passes)):
+            value = material.aovs.get(name)
+            if value is not None:
+                formulas = prepared(tuple(value) if isinstance(value, Vector) else (value,))
+                self.aovs.append((number, len(formulas), program.operand(*formulas)))
+        return first, len(self.aovs)
+
+    def compile_world_aovs(self, material: Material, record) -> None:
+        """A graph of the AOVs of the world's nodes."""
+        program = _Program(self, material.name, Folding(self.numbers(material)), False)
+        first = len(self.aovs)
+        try:
+            record["aovs"] = self._compile_aovs(material, program, without_objects)
+        except (_TooComplex, RecursionError):
+            del self.aovs[first:]
+            self.warn(f"{material.name} has too many nodes for its AOVs, which are 0; simplify it.")
+            return
+        record["aov_graph"], numbers = self.graphs.add(program.roots)
+        record["aov_slots"] = self.block(numbers)
 
     def compile_emission(self, material: Material | None, record) -> None:
         """A graph of the emission of a world's or a light's closures; none without nodes."""

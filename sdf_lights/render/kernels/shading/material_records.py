@@ -126,8 +126,19 @@ MATERIAL = np.dtype(
 AOV = np.dtype([("aov", "i4"), ("width", "i4"), ("operand", "i4")], align=True)
 
 
-# The factor of the nodes of the world (row 0) and of the lights (row 1 on) on their radiance: a graph of RGB.
-EMISSION = np.dtype([("graph", "i4"), ("slots", "i4"), ("mean", "f8", 3)], align=True)
+# The factor of the nodes of the world (row 0) and of the lights (row 1 on) on their radiance: a graph of RGB. Of the
+# world also the graph of its shader AOVs, with the first and the end of their range.
+EMISSION = np.dtype(
+    [
+        ("graph", "i4"),
+        ("slots", "i4"),
+        ("mean", "f8", 3),
+        ("aov_graph", "i4"),
+        ("aov_slots", "i4"),
+        ("aovs", "i4", 2),
+    ],
+    align=True,
+)
 
 
 NO_GRAPH = -1

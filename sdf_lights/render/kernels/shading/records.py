@@ -23,7 +23,7 @@ THROUGH_PORTAL = 128  # continue from surface.exit; always together with TRANSPA
 INTO_SUBSURFACE = 256  # to scatter there, by closure surface.entered; always together with TRANSMISSION and SINGULAR
 
 # Flags of a material (MATERIAL["flags"]): the fields of SURFACE that its shading needs, and its features.
-HAS_TRANSPARENCY = 1  # transparency() may be other than black
+HAS_TRANSPARENCY = 1  # transparency() may be other than black, and light rays pass it
 HAS_EMISSION = 2
 NEEDS_OBJECT_NORMAL = 4  # object_normal
 NEEDS_DERIVATIVES = 8  # dpdu, dpdv, bump_step
@@ -34,6 +34,8 @@ NEEDS_RADIAL = 128  # radial
 SHADES_SHADOWS = 256  # shade() computes the straight transmission, not transparency()
 HAS_SUBSURFACE = 512  # light may scatter below the surface
 BENDS_EXITS = 1024  # the normal where such light leaves is that of the SUBSURFACE closures
+STOPS_LIGHT_RAYS = 2048  # transparent, but not to light rays
+UNCORRECTED = 4096  # no correction of bump maps
 
 SURFACE = np.dtype(
     [
@@ -64,6 +66,7 @@ SURFACE = np.dtype(
         ),  # of its triangle, curve or sphere, which rays that leave it do not meet: ray_origins.number_of
         ("exact_origin", "i4"),  # 1: rays start at its position, 0: their origin is offset (see ray_origins.py)
         # Of the material, filled by shade().
+        ("uncorrected", "i4"),  # not 0: bumps neither darken near the horizon, nor is their normal raised for mirrors
         ("closure_count", "i4"),
         ("evaluable", "i4"),  # closures that are not singular; without them light sampling is useless
         ("subsurface", "i4"),  # closures of scattering below the surface

@@ -35,13 +35,14 @@ def _bump_shadowing(surface, closure, wi):
 
     As in Cycles, it applies to all light rays, and to sampled directions of diffuse reflection. Light from behind the
     unbumped surface is cut. Near the horizon diffuse closures darken gradually, by Conty Estevez, Lecocq and Stein
-    2019, "A microfacet-based shadowing function to solve the bump terminator problem".
+    2019, "A microfacet-based shadowing function to solve the bump terminator problem"; not where the material leaves
+    bumps uncorrected.
     """
     smooth, n = vec(surface.n), vec(closure.normal)
     cosine, tilt = dot(smooth, wi), dot(smooth, n)
     if cosine * tilt * dot(n, wi) < 0.0:
         return 0.0
-    if closure.kind >= MICROFACET:
+    if closure.kind >= MICROFACET or surface.uncorrected:
         return 1.0
     cosine, tilt = abs(cosine), abs(tilt)
     if tilt >= 1.0 or cosine >= 1.0:

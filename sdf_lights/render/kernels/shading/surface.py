@@ -40,6 +40,7 @@ from .principled import add_principled
 from .records import (
     HAS_TRANSPARENCY,
     SHADES_SHADOWS,
+    UNCORRECTED,
     closure_table,
     surface_table,
 )
@@ -110,6 +111,7 @@ def shade(block, workspace):
     """Run the material of ``workspace.surface``: fill its closures, emission, transparency, albedos and holdout."""
     surface = surface_table(workspace)[0]
     material = _materials(block)[surface.material]
+    surface.uncorrected = material.flags & UNCORRECTED
     surface.closure_count = 0
     surface.evaluable = 0
     surface.portal = 0
