@@ -307,9 +307,7 @@ def _world(choices: Choices, scene: bpy.types.Scene) -> None:
     scene.world = bpy.data.worlds.new("World")
     use_nodes(scene.world)
     graph = Graph(scene.world)
-    background = graph.node(
-        "ShaderNodeBackground", Color=color(numbers), Strength=numbers.choice((0.0, 0.2, 0.5, 1.0))
-    )
+    background = graph.node("ShaderNodeBackground", Color=color(numbers), Strength=numbers.choice((0.0, 0.2, 0.5, 1.0)))
     own = choices.feature("world texture", 0.2)
     if own is not None:
         graph.feed(background.node.inputs["Color"], texture(own, graph, False))
