@@ -71,6 +71,7 @@ def can_connect(scene: Scene, packed: PackedScene) -> bool:
       rays, too.
     - No pass wants light by the lobe that scattered it first: what connections take from a ray is of diffuse lobes
       alone.
+    - No material has a BSDF that light paths do not know: toon, hair, thin walls, portals.
     - A light path has ``MOST_VERTICES`` at most, and passes transparent surfaces where there are some.
     """
     settings, block = scene.settings, packed.block[0]
@@ -91,6 +92,7 @@ def can_connect(scene: Scene, packed: PackedScene) -> bool:
         and settings.filter_glossy == 0.0
         and block["caustics"] == GLOSSY | TRANSMISSION
         and not (packed.table("lobes")["features"] & ONCE).any()
+        and bool(materials_of(packed)[_used(scene)].all())
         and not (packed.table("materials")["flags"][_on_strands(scene)] & HAS_TRANSPARENCY).any()
         and not (packed.table("materials")["flags"] & STOPS_LIGHT_RAYS).any()
         and not any(
@@ -99,6 +101,11 @@ def can_connect(scene: Scene, packed: PackedScene) -> bool:
             for node in order(*roots)
         )
     )
+
+
+def _used(scene: Scene) -> list[int]:
+    """The materials of all that stands in the scene."""
+    return [material for instance in scene.instances for material in instance.materials]
 
 
 def _on_strands(scene: Scene) -> list[int]:
@@ -209,10 +216,9 @@ class LightPaths:
         """The scalars of ``light_paths.records``: how much a path from the camera may count on light paths."""
         scene = self._scene
         sources, materials = self._lasting["light_path_sources"], self._lasting["light_path_materials"]
-        used = [material for instance in scene.instances for material in instance.materials]
         block, lamps = self._packed.block[0], int(self._packed.block[0]["lamp_count"])
         alone = bool(sources[:lamps].all()) and not scene.lights and not block["emitters_hit"]
-        follows = bool((materials[used] & FOLLOW_ALL).all()) and not block["has_strands"]
+        follows = bool((materials[_used(scene)] & FOLLOW_ALL).all()) and not block["has_strands"]
         roulette = (MOST_ROULETTE if follows else SOME_ROULETTE) if alone else 1.0
         return {"light_path_all": alone and follows, "light_path_roulette": roulette}
 
