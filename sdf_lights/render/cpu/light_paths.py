@@ -71,7 +71,7 @@ def can_connect(scene: Scene, packed: PackedScene) -> bool:
       rays, too.
     - No pass wants light by the lobe that scattered it first: what connections take from a ray is of diffuse lobes
       alone.
-    - No material has a BSDF that light paths do not know: toon, hair, thin walls, portals.
+    - No material has a BSDF that light paths do not know: see ``materials_of``.
     - A light path has ``MOST_VERTICES`` at most, and passes transparent surfaces where there are some.
     """
     settings, block = scene.settings, packed.block[0]

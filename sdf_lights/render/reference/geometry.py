@@ -197,7 +197,7 @@ class Placed:
         width = max([len(i.materials) for i in scene.instances], default=1)
         # A missing slot shows the last material, as in Blender.
         self.materials = np.array(
-            [[i.materials[min(slot, len(i.materials) - 1)] for slot in range(width)] for i in scene.instances]
+            [[i.materials[min(slot, len(i.materials) - 1)] for slot in range(width)] for i in scene.instances], int
         ).reshape(-1, width)
         self.strands = Strands(scene)
         self.triangle_count = int(counts[self.mesh_of].sum()) if len(self.mesh_of) else 0
