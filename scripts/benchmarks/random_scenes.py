@@ -154,7 +154,7 @@ def _principled(choices: Choices, name: str, numbers: random.Random, graph: Grap
             continue
         for key, (low, high) in ranges.items():
             inputs[key].default_value = own.choice((own.uniform(low, high), own.uniform(low, high), high))
-        for key in ("Coat Tint", "Sheen Tint", "Emission Color", "Specular Tint"):
+        for key in ("Coat Tint", "Sheen Tint", "Emission Color"):
             if key.split()[0].lower() == feature:
                 inputs[key].default_value = color(own, 0.3)
         if feature == "subsurface":

@@ -178,11 +178,8 @@ def _emission(scene) -> None:
     add(scene, 1, translation(0.0, 0.0, 0.2), material("emission", "glow", color=(1.0, 1.0, 1.0), strength=1.0))
 
 
-TOON = Node("toon", {"color": (0.8, 0.8, 0.8)})
-
-
 def _toon(scene) -> None:
-    scene.materials[scene.instances[5].materials[0]] = Material("toon", TOON)
+    scene.materials[scene.instances[5].materials[0]] = material("toon", "toon", color=(0.8, 0.8, 0.8))
 
 
 @pytest.mark.parametrize(
@@ -208,12 +205,12 @@ def _restricted_lamp(scene) -> None:
     scene.lamps.append(dataclasses.replace(torus_lamp(0.5, -0.6, 1.2, 20.0, 0.2), visibility=Ray.ALL & ~Ray.GLOSSY))
 
 
-def _everywhere(node: Node, first: int = 1):
-    """All but the floor gets a material of this node; from the number 5 on, all but the room."""
+def _everywhere(node: Node):
+    """All but the floor gets a material of this node."""
 
     def change(scene) -> None:
         scene.materials.append(Material("all", node))
-        for instance in scene.instances[first:]:
+        for instance in scene.instances[1:]:
             instance.materials = (len(scene.materials) - 1,)
 
     return change

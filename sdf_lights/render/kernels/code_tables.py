@@ -13,9 +13,8 @@ from ...jit import CallablePart
 
 
 def addresses(kernels: Mapping[int, tuple[Callable, int]], places: int, records: tuple) -> np.ndarray:
-    """(places,) int64 addresses for blocks and workspaces of these
-    ``records``; 0 where there is no kernel. ``kernels``: by place, a kernel and its number of arguments. The code is
-    kept for ever."""
+    """(places,) int64 addresses for blocks and workspaces of these ``records``; 0 where there is no kernel.
+    ``kernels``: by place, a kernel and its number of arguments. The code is kept for ever."""
     table = np.zeros(places, np.int64)
     for place, (kernel, count) in kernels.items():
         table[place] = _part(kernel, count, records).address
