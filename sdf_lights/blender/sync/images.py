@@ -20,7 +20,7 @@ import bpy
 import numpy as np
 
 from ...render import memory
-from ...render.images import Image, Texture, reduced
+from ...render.images import MISSING, Image, Texture, reduced
 from ...render.scene import Scene
 from .colorspaces import OTHER, SRGB, UNKNOWN, conversion, kind_of
 from .common import Warnings
@@ -85,7 +85,7 @@ class Images:
         """How a node looks up ``image``. ``alpha``: whether its Alpha output is used, which makes colours straight.
         ``tiled``: off for box projections, which use only the first tile."""
         if image is None:
-            return Texture()
+            return Texture(self._missing(extension), interpolation, extension)
         # The original has the last painted or generated pixels; evaluated copies share them or have none.
         image = image.original or image
         straight = alpha and image.alpha_mode in {"STRAIGHT", "PREMUL"} and not image.colorspace_settings.is_data
@@ -98,7 +98,18 @@ class Images:
                 index, tiles = dict(tiles).get(1001), ()
         else:
             index = self._index(image, user, 0)
+        if index is None and not tiles:
+            index = self._missing(extension)
         return Texture(index, interpolation, extension, straight, tiles)
+
+    def _missing(self, extension: str) -> int | None:
+        """Index of what stands for a missing image. Before Blender 5.2, it ends at its edge if it is clipped."""
+        if extension != "CLIP" or bpy.app.version >= (5, 2):
+            return None
+        if () not in self._known:
+            self._scene.images.append(Image("Missing", np.array([[MISSING]], np.float32)))
+            self._known[()] = len(self._scene.images) - 1
+        return self._known[()]
 
     def load(self) -> None:
         """Read the files of all images, several at a time."""

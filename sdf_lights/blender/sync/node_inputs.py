@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 import pathlib
 
 import bpy
@@ -16,7 +17,7 @@ from ...render.nodes.definition import NodeInputs
 from ...render.nodes.geometry import generated, to_object, transformed_normal, uv
 from ...render.nodes.variables import INCOMING, NORMAL, POSITION
 from .common import matrix_of
-from .links import INLINED, NOWHERE
+from .links import NOWHERE
 from .node_values import BLACK, constant_of, converted, numbers_of, replaces_default, working_space
 from .zones import Stack, by_identifier
 
@@ -32,9 +33,17 @@ _IMPLICIT = {"ShaderNodeTexImage": uv, "ShaderNodeTexEnvironment": lambda node: 
 # For these nodes it is zero, although they hide its value like textures.
 _NO_COORDINATES = {"ShaderNodeMapRange", "ShaderNodeVectorRotate", "ShaderNodeTexWhiteNoise"}
 
-_TEXTURES = "Brick", "Checker", "Gabor", "Gradient", "Magic", "Noise", "Voronoi", "Wave"
-_FOLDED = {f"ShaderNodeTex{name}" for name in _TEXTURES}  # nodes that Blender computes if all inputs are constants
 MOST_IES_BYTES = 16 << 20  # of an IES text; reading a device would never end
+
+
+def is_field(node, socket) -> bool:
+    """Whether Blender computes no result of a node without a link to this input: it stands for the position."""
+    return has_coordinates(node, socket) or node.bl_idname == "ShaderNodeTexWhiteNoise" and socket.identifier == "Vector"
+
+
+def has_coordinates(node, socket) -> bool:
+    """Whether an input has coordinates instead of its own value if nothing is linked."""
+    return socket.identifier == "Vector" and socket.hide_value and node.bl_idname not in _NO_COORDINATES
 
 
 class BlenderInputs(NodeInputs):
@@ -56,13 +65,8 @@ class BlenderInputs(NodeInputs):
         return converted(*self._read(socket), 0.0)
 
     def vector(self, socket: str) -> Vector:
-        if (
-            socket == "Vector"
-            and not self.is_given(socket)
-            and self._socket(socket) is not None
-            and self._socket(socket).hide_value
-            and self._node.bl_idname not in _NO_COORDINATES
-        ):
+        found = self._socket(socket)
+        if found is not None and has_coordinates(self._node, found) and not self.is_given(socket):
             found = self.coordinates()
         else:
             found = converted(*self._read(socket), BLACK)
@@ -95,30 +99,27 @@ class BlenderInputs(NodeInputs):
 
     def is_linked(self, socket: str) -> bool:
         found = self._socket(socket)
-        return found is not None and self._reader.resolve(found, self._stack)[0] is not None
+        return found is not None and self._reader.has_source(found, self._stack)
+
+    def varies(self, socket: str) -> bool:
+        return self.is_linked(socket) and numbers_of(self._reader.parameters, self._read(socket)[0]) is None
 
     def is_given(self, socket: str) -> bool:
         found = self._socket(socket)
         if found is None:
             return False
+        if self._reader.has_source(found, self._stack):
+            return True
         node, end, _ = self._reader.resolve(found, self._stack)
-        if node is not None or replaces_default(end, found):
+        if node is not None:
+            return False
+        if replaces_default(end, found):
             return True
         # Such a texture of constants has even the hidden value of a group's input.
-        return end not in (found, NOWHERE) and self._node.bl_idname in _FOLDED and self._is_folded(found.identifier)
+        return end not in (found, NOWHERE) and self._reader.folds(self._node, self._stack, found.identifier)
 
     def is_folded(self) -> bool:
-        return self._is_folded()
-
-    def _is_folded(self, ignored: str = "") -> bool:
-        """``is_folded``, whatever the input ``ignored`` is."""
-        if not INLINED:
-            return False
-        others = [socket for socket in self._node.inputs if socket.enabled and socket.identifier != ignored]
-        values = [self._reader.value(socket, self._stack)[0] for socket in others]
-        return not any(
-            isinstance(each, Formula | Vector) and numbers_of(self._reader.parameters, each) is None for each in values
-        )
+        return self._reader.folds(self._node, self._stack)
 
     def own(self, output: str) -> Formula | Vector:
         return self._reader.parametric(constant_of(by_identifier(self._node.outputs, output)))
@@ -189,6 +190,7 @@ def ies_text(node) -> str:
         return ""
 
 
+LEAST_SIZE = 1e-5  # of a texture node's own mapping, if it divides
 _AXES = {"NONE": None, "X": 0, "Y": 1, "Z": 2}
 
 
@@ -204,7 +206,8 @@ def texture_matrix(mapping) -> np.ndarray | None:
             swizzle[row, column] = 1.0
     turn = np.array(mathutils.Euler(rotation, "XYZ").to_matrix(), np.float64)
     kind = mapping.vector_type
-    inverse = np.divide(1.0, size, out=np.zeros(3), where=np.array(size) != 0.0)
+    # As in Cycles: a size of zero stands for a small one where it divides.
+    inverse = [1.0 / (entry if abs(entry) >= LEAST_SIZE else math.copysign(LEAST_SIZE, entry + 0.0)) for entry in size]
     if kind == "TEXTURE":
         linear = np.diag(inverse) @ turn.T
         return np.column_stack([linear @ swizzle, -linear @ np.array(location)])

@@ -7,9 +7,10 @@ from __future__ import annotations
 import bpy
 
 from ...graph.folding import Folding
-from ...graph.formula import CONSTANT, Formula, Vector
+from ...graph.formula import CONSTANT, Formula, Vector, constant, floor, select
 from ...render.material import Node
 from ...render.nodes.definition import mean
+from ...render.nodes.maths import where_zero
 from ...render.nodes.working_space import luminance_weights
 from .common import rgb
 from .links import INLINED
@@ -36,14 +37,25 @@ def working_space() -> str | None:
 
 
 def constant_of(socket):
-    """A socket's own value: a float, a 3-tuple, or None for a shader."""
+    """A socket's own value: a float, a 3-tuple, or None for a shader. Vectors of two numbers get a zero."""
     value = getattr(socket, "default_value", None)
     if value is None or isinstance(value, (str, bpy.types.ID)):
         return None
-    return rgb(value) if hasattr(value, "__len__") else float(value)
+    return rgb((*value, 0.0)) if hasattr(value, "__len__") else float(value)
 
 
 EXAMPLES = {"VALUE": 0.0, "VECTOR": BLACK, "RGBA": BLACK}  # type of a socket -> an example of its values
+# Nodes that Blender computes itself since 5.0 if all their inputs are constants.
+FOLDED = {
+    f"ShaderNode{name}"
+    for name in (
+        *("Blackbody", "Clamp", "CombineColor", "CombineXYZ", "FloatCurve", "Gamma", "MapRange", "Math", "Mix", "MixRGB"),
+        *("RGBCurve", "RadialTiling", "SeparateXYZ", "TexBrick", "TexChecker", "TexGabor", "TexGradient", "TexMagic"),
+        *("TexNoise", "TexVoronoi", "TexWave", "TexWhiteNoise", "ValToRGB", "Value", "VectorCurve", "VectorMath"),
+        "VectorRotate",
+    )
+}
+WHOLE = {"INT", "BOOLEAN"}  # types of sockets with whole numbers
 
 
 def converted(value, socket_type: str, like):
@@ -55,6 +67,16 @@ def converted(value, socket_type: str, like):
     if isinstance(value, Formula) and isinstance(like, tuple):
         return Vector(value, value, value)
     return value
+
+
+def whole(value: Formula | Vector, socket_type: str, wanted: str) -> Formula:
+    """A value of a socket of that type at a socket of whole numbers (``WHOLE``): without its fraction, or 1 for true."""
+    if wanted == "BOOLEAN" and isinstance(value, Vector) and socket_type != "RGBA":
+        return where_zero(abs(value.x) + abs(value.y) + abs(value.z), 0.0, constant(1.0))
+    number = converted(value, socket_type, 0.0)
+    if wanted == "BOOLEAN":
+        return select(number <= 0.0, 0.0, 1.0)
+    return select(number < 0.0, -floor(-number), floor(number))
 
 
 def numbers_of(parameters, value):

@@ -25,11 +25,22 @@ from .closure_nodes import CLOSURES
 from .common import Warnings
 from .images import Images
 from .links import INLINED, NOWHERE, Links
-from .node_inputs import BlenderInputs
-from .node_values import BLACK, EXAMPLES, MISSING, constant_of, converted, numbers_of, replaces_default
+from .node_inputs import BlenderInputs, is_field
+from .node_values import (
+    BLACK,
+    EXAMPLES,
+    FOLDED,
+    MISSING,
+    WHOLE,
+    constant_of,
+    converted,
+    numbers_of,
+    replaces_default,
+    whole,
+)
 from .zones import Stack, by_identifier
 
-_ONLY_EEVEE = "(only EEVEE has it: a path tracer cannot read a shader's result as a colour)"
+_ONLY_EEVEE = " (only EEVEE has it: a path tracer cannot read a shader's result as a colour)"
 
 
 MOST_INPUTS = 20_000  # of a tree with all groups written out: a malicious file may double them at each level
@@ -65,6 +76,7 @@ class Reader:
         self._followed, self._reading = 0, False  # number of inputs read; whether one is being read
         self.links = Links()
         self._values: dict[tuple, object] = {}
+        self._folds: dict[tuple, bool] = {}
         self._constants: dict[tuple, Formula | Vector] = {}
 
     # -- walking -------------------------------------------------------------------------------------------------------
@@ -114,6 +126,7 @@ class Reader:
                 return None, receiver, stack, types[:known]
             node, output = link.from_node, link.from_socket
             if node.bl_idname == "NodeReroute":
+                types += [(output.type, INLINED)]
                 socket, passing = node.inputs[0], True
                 continue
             if node.mute:
@@ -167,21 +180,58 @@ class Reader:
         if node is not None:
             value = self._value(node, end, inner)
             if value is not MISSING:
-                return converted(*self._carried(value, end.type, types), like)
-            end, types = socket, []
+                return converted(*self._carried(value, end.type, types, node, inner), like)
+            end, types = _without_source(socket, types), []
         if like is None and not replaces_default(end, socket):
             return None
         value = self._constant(end, inner)
         return None if value is None else converted(*self._carried(value, end.type, types), like)
 
-    def _carried(self, value, socket_type: str, types: list[tuple[str, bool]]):
-        """Convert a value through sockets of these ``types``, the last one first. Returns it with its final type."""
+    def _carried(self, value, socket_type: str, types: list[tuple[str, bool]], node=None, stack: Stack = ()):
+        """Convert a value of a node, or of a socket, through sockets of these ``types``, the last one first. Returns it
+        with its final type."""
         if isinstance(value, (Formula, Vector)):
             for passed, of_constants in reversed(types):
-                if passed in EXAMPLES and passed != socket_type:
-                    if not of_constants or numbers_of(self.parameters, value) is not None:
-                        value, socket_type = converted(value, socket_type, EXAMPLES[passed]), passed
+                if passed == socket_type or passed not in EXAMPLES and passed not in WHOLE:
+                    continue
+                if not of_constants or node is None or self.folds(node, stack):
+                    if passed in WHOLE:
+                        value = whole(value, socket_type, passed)
+                    else:
+                        value = converted(value, socket_type, EXAMPLES[passed])
+                    socket_type = passed
         return value, socket_type
+
+    def folds(self, node, stack: Stack, ignored: str = "") -> bool:
+        """Whether Blender computes a node itself and gives Cycles only the result: since 5.0, if it is one of ``FOLDED``
+        and all its inputs, but for the ``ignored`` one, are constants."""
+        if not INLINED:
+            return False
+        key = node.as_pointer(), zones.key_of(stack), ignored
+        if key not in self._folds:
+            self._folds[key] = False  # for a circle
+            self._folds[key] = zones.is_constant(node) or (
+                node.bl_idname in FOLDED
+                and all(
+                    self._is_constant(node, socket, stack)
+                    for socket in node.inputs
+                    if socket.enabled and socket.identifier != ignored
+                )
+            )
+        return self._folds[key]
+
+    def _is_constant(self, node, socket, stack: Stack) -> bool:
+        source, end, inner, _ = self._walk(socket, stack)
+        if source is not None:
+            return self.folds(source, inner)
+        return end not in (socket, NOWHERE) or not is_field(node, socket)
+
+    def has_source(self, socket, stack: Stack) -> bool:
+        """Whether an input is linked to a node that is known, or through a group of a version that gives it zero."""
+        node, end, inner, types = self._walk(socket, stack)
+        return node is not None and (
+            self._value(node, end, inner) is not MISSING or _without_source(socket, types) is NOWHERE
+        )
 
     def number_of(self, socket, stack: Stack) -> float | None:
         """The number at an input; None if it varies."""
@@ -195,8 +245,8 @@ class Reader:
         if node is not None:
             value = self._value(node, end, inner)
             if value is not MISSING and isinstance(value, (Formula, Vector)):
-                return self._carried(value, end.type, types)
-            end, types = socket, []
+                return self._carried(value, end.type, types, node, inner)
+            end, types = _without_source(socket, types), []
         return self._carried(self._constant(end, inner), end.type, types)
 
     def _constant(self, socket, stack: Stack) -> Formula | Vector | None:
@@ -302,6 +352,11 @@ class Reader:
         kind = node.bl_rna.name
         name = f"'{node.name}'" if node.name == kind else f"'{node.name}' ({kind})"
         self._warn(f"{self._owner}: node {name}: {what}.")
+
+
+def _without_source(socket, types: list):
+    """The socket whose own value counts at an input that is linked to an unknown node."""
+    return NOWHERE if types and not INLINED else socket
 
 
 def emission_of(reader: Reader, name: str) -> tuple[np.ndarray, Material | None]:

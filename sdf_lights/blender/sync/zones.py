@@ -162,6 +162,11 @@ PASSES = {
 the node."""
 
 
+def is_constant(node) -> bool:
+    """Whether ``constant_of`` gives the values of a node."""
+    return node.bl_idname in ("GeometryNodeRepeatInput", "FunctionNodeInputBool", "FunctionNodeInputInt", "FunctionNodeInputVector")
+
+
 def constant_of(node, output, stack: Stack):
     """The number or the triple that a node gives for all inputs; None for other nodes."""
     kind = node.bl_idname

@@ -48,6 +48,9 @@ class NodeInputs(Protocol):
         """Whether an input with default coordinates or a default normal has another source: a link, or the value of a
         group's input."""
 
+    def varies(self, socket: str) -> bool:
+        """Whether something is linked that is not a constant."""
+
     def is_folded(self) -> bool:
         """Whether Blender computes the node itself and gives Cycles only the result: since 5.0, if all inputs are
         constants."""
@@ -116,7 +119,7 @@ class GivenNode(NodeInputs):
     def is_linked(self, socket: str) -> bool:
         return isinstance(self._inputs.get(socket), (Formula, Vector))
 
-    is_given = is_linked
+    is_given = varies = is_linked
 
     def is_folded(self) -> bool:
         return False

@@ -219,7 +219,10 @@ def attribute_node(node: NodeInputs):
                 "Alpha": numbers[3] if len(numbers) == 4 else constant(1.0),
             }
         return {"Color": ZERO, "Vector": ZERO, "Fac": constant(0.0), "Alpha": constant(1.0)}
-    x, y, z, alpha, factor = call(lookups.ATTRIBUTE, node.parameter(Attribute(kind, name)), *BARYCENTRIC)
+    if kind == "geometry" and not name:
+        return {"Color": ZERO, "Vector": ZERO, "Fac": constant(0.0), "Alpha": constant(1.0)}
+    function = lookups.ATTRIBUTE if kind == "geometry" else lookups.COLOR_ATTRIBUTE
+    x, y, z, alpha, factor = call(function, node.parameter(Attribute(kind, name)), *BARYCENTRIC)
     color = Vector(x, y, z)
     return {"Color": color, "Vector": color, "Fac": factor, "Alpha": alpha}
 
@@ -248,7 +251,7 @@ def wireframe(node: NodeInputs):
     if node.setting("domain") in ("WORLD", "LIGHT"):
         return {"Fac": constant(0.0)}
     (distance,) = call(lookups.WIREFRAME, *POSITION)
-    return {"Fac": select(distance < 0.5 * size, 1.0, 0.0)}
+    return {"Fac": select(distance < 0.5 * abs(size), 1.0, 0.0)}
 
 
 @defines("ShaderNodeParticleInfo")

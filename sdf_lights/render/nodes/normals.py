@@ -86,8 +86,8 @@ def _tilted(
 def bump(node: NodeInputs):
     """Heights as normals."""
     normal = node.normal("Normal")
-    if not node.is_linked("Height"):
-        return {"Normal": normal}
+    if not node.varies("Height"):
+        return {"Normal": normal if node.varies("Normal") else NORMAL}
     distance = -node.number("Distance") if node.setting("invert") else node.number("Distance")
     steps = maximum(node.number("Filter Width"), 1e-3) * 10.0 if node.has("Filter Width") else 1.0
     return {"Normal": bumped(normal, node.number("Height"), distance, node.number("Strength"), steps)}

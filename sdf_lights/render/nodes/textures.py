@@ -106,7 +106,7 @@ def wave_texture(node: NodeInputs):
     else:
         axis = _AXES.get(node.setting("rings_direction"))
         place = length(*(value for index, value in enumerate(p) if index != axis)) * 20.0
-    function = Function("noise", noise.value(3), (noise.FBM, 1))
+    function = Function("noise", noise.free_value(3), (noise.FBM, 1))
     (moved,) = call(
         function,
         *(p * node.number("Detail Scale")),
@@ -116,7 +116,6 @@ def wave_texture(node: NodeInputs):
         2.0,
         0.0,
         1.0,
-        0.0,
     )
     place = place + node.number("Phase Offset") + node.number("Distortion") * (moved * 2.0 - 1.0)
     profile = node.setting("wave_profile")

@@ -9,6 +9,7 @@
 """
 
 import functools
+import math
 
 from ...jit import kernel, specialised
 from .hashing import bits, point_1, unit_2
@@ -24,6 +25,7 @@ KINDS = {
 }
 
 MOST_DETAIL = 15.0
+MOST_OCTAVES = 1000.0  # of a detail without limits, whose sum does not change any more
 
 # The dimensions of a copy of the kernels: see the end of the file.
 DIMENSIONS, signed_noise = 3, SIGNED_NOISE[3]
@@ -32,9 +34,8 @@ DIMENSIONS, signed_noise = 3, SIGNED_NOISE[3]
 @kernel
 def _fractal(kind, normalize, p, detail, roughness, lacunarity, offset, gain):
     """The last octave is weighted by the fractional part of ``detail``; ridges have no such octave."""
-    detail = min(max(0.0, detail), MOST_DETAIL)
     whole = int(detail)
-    rest = detail - whole
+    rest = detail - math.floor(detail)
     octaves = whole + 2 if rest > 0.0 and kind != RIDGED else whole + 1
     scale, amplitude, weight, total, most = 1.0, 1.0, 1.0, 0.0, 0.0
     value = 1.0 if kind == MULTIFRACTAL else 0.0
@@ -105,13 +106,18 @@ def _distorted(p, distortion):
 
 @kernel
 def _value(kind, normalize, x, y, z, w, detail, roughness, lacunarity, offset, gain, distortion):
-    roughness = max(0.0, roughness)
+    roughness, detail = max(0.0, roughness), min(max(0.0, detail), MOST_DETAIL)
     return _fractal(kind, normalize, _distorted((x, y, z, w), distortion), detail, roughness, lacunarity, offset, gain)
 
 
 @kernel
+def _free_value(kind, normalize, x, y, z, w, detail, roughness, lacunarity, offset, gain):
+    return _fractal(kind, normalize, (x, y, z, w), min(detail, MOST_OCTAVES), roughness, lacunarity, offset, gain)
+
+
+@kernel
 def _color(kind, normalize, x, y, z, w, detail, roughness, lacunarity, offset, gain, distortion):
-    roughness = max(0.0, roughness)
+    roughness, detail = max(0.0, roughness), min(max(0.0, detail), MOST_DETAIL)
     p = _distorted((x, y, z, w), distortion)
     q, r = _shifted(p, float(DIMENSIONS)), _shifted(p, DIMENSIONS + 1.0)
     return (
@@ -124,7 +130,7 @@ def _color(kind, normalize, x, y, z, w, detail, roughness, lacunarity, offset, g
 @functools.cache
 def _copies(dimensions: int) -> dict:
     given = {"DIMENSIONS": dimensions, "signed_noise": SIGNED_NOISE[dimensions]}
-    for part in (_fractal, _offset, _shifted, _distorted, _value, _color):
+    for part in (_fractal, _offset, _shifted, _distorted, _value, _free_value, _color):
         given[part.__name__] = specialised(part, f"noise{part.__name__}_{dimensions}d", **given)
     return given
 
@@ -132,6 +138,11 @@ def _copies(dimensions: int) -> dict:
 def value(dimensions: int):
     """Kernel of the noise texture's value, for a point of so many dimensions."""
     return _copies(dimensions)["_value"]
+
+
+def free_value(dimensions: int):
+    """Kernel of noise without limits of its detail and roughness, and without distortion."""
+    return _copies(dimensions)["_free_value"]
 
 
 def color(dimensions: int):
