@@ -92,7 +92,8 @@ class BlenderInputs(NodeInputs):
         if matrix is None:
             return vector
         rows = [[self.parameter(float(entry)) for entry in row] for row in matrix]
-        return Vector(*(row[0] * vector.x + row[1] * vector.y + row[2] * vector.z + row[3] for row in rows))
+        mapped = Vector(*(row[0] * vector.x + row[1] * vector.y + row[2] * vector.z + row[3] for row in rows))
+        return mapped.normalized() if mapping.vector_type == "NORMAL" else mapped
 
     def has(self, socket: str) -> bool:
         return self._socket(socket) is not None

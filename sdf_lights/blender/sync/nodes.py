@@ -117,10 +117,9 @@ class Reader:
                 )
             return None, receiver, stack, types
         while True:
-            link = self.links.into(socket)
+            link, end = self.links.into(socket), NOWHERE if passing and not INLINED else receiver
             if link is None:
-                found = NOWHERE if passing and not INLINED else receiver
-                return None, found, stack, types[:known]
+                return None, end, stack, types[:known]
             if len(stack) > zones.DEEPEST:
                 self.report(link.from_node, "its groups or zones are nested too deeply, so it is left out")
                 return None, receiver, stack, types[:known]
@@ -132,7 +131,7 @@ class Reader:
             if node.mute:
                 socket = next((inner.from_socket for inner in node.internal_links if inner.to_socket == output), None)
                 if socket is None:
-                    return None, receiver, stack, types[:known]
+                    return None, end, stack, types[:known]
                 types += [(output.type, INLINED), (socket.type if INLINED else output.type, INLINED)]
                 passing = True
                 continue

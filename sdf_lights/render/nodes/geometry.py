@@ -247,7 +247,9 @@ def wireframe(node: NodeInputs):
     """Edges of triangles, in metres or pixels."""
     size = node.number("Size")
     if node.setting("use_pixel_size"):
-        size = size * BUMP_STEP * 10.0  # a pixel is ten steps
+        # A pixel is ten steps. As in Cycles, its width is the mean of two axes of the surface, as the camera sees them.
+        seen = [axis - INCOMING * axis.dot(INCOMING) for axis in footprint_axes()]
+        size = size * BUMP_STEP * 5.0 * (seen[0].length() + seen[1].length())
     if node.setting("domain") in ("WORLD", "LIGHT"):
         return {"Fac": constant(0.0)}
     (distance,) = call(lookups.WIREFRAME, *POSITION)
