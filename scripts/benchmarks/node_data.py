@@ -32,6 +32,7 @@ IMAGES = (
     "of a missing file",
 )
 
+_OTHERS = "OBJECT", "INSTANCER", "VIEW_LAYER"
 # Variants of the Attribute node: name, type.
 ATTRIBUTES = {
     "of a number": ("Number", "GEOMETRY"),
@@ -50,6 +51,8 @@ ATTRIBUTES = {
     "of a setting": ("pass_index", "OBJECT"),
     "of the scene": ("scene_number", "VIEW_LAYER"),
     "of the instancer": ("number", "INSTANCER"),
+    "without a name": ("", "GEOMETRY"),
+    **{f"of nothing of the {kind.lower().replace('_', ' ')}": ("There is none", kind) for kind in _OTHERS},
 }
 
 
@@ -96,7 +99,7 @@ def ramp(node, variant: str) -> None:
 
 
 def image(node, variant: str) -> None:
-    if variant != "of none":
+    if variant not in ("of none", "clipped, of none"):
         node.image = _picture(variant)
     if variant == "of tiles":
         node.extension = "REPEAT"

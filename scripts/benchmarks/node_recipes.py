@@ -67,6 +67,21 @@ def _each(node: str, setting: str, feeds: dict) -> dict[str, dict]:
     return {item.identifier.lower().replace("_", " "): feeds | {f".{setting}": item.identifier} for item in items}
 
 
+def _number(value: float):
+    """A number beyond the limits of a socket."""
+
+    def build(sources):
+        socket = sources.graph.node("ShaderNodeValue")
+        socket.default_value = value
+        return socket
+
+    return build
+
+
+def _constant_vector(sources):
+    return sources.graph.node("ShaderNodeCombineXYZ", X=0.3, Y=-0.7, Z=1.4)
+
+
 def _diffuse(sources):
     return sources.graph.node("ShaderNodeBsdfDiffuse", Color=RUST)
 
@@ -353,6 +368,11 @@ RECIPES: dict[str, Recipe] = {
             "distorted": dict(Distortion=2.3),
             "of rings, distorted": {"Distortion": 2.3, ".wave_type": "RINGS"},
             "of varying numbers": dict(Scale="unit", Distortion="y"),
+            "beyond the limits of noise": {
+                "Distortion": 1.3,
+                "Detail": _number(16.5),
+                "Detail Roughness": _number(-0.4),
+            },
         },
     ),
     "ShaderNodeTexImage": Recipe(
@@ -362,7 +382,11 @@ RECIPES: dict[str, Recipe] = {
         shape=_curved,
         outputs=("Color",),
         variants={name: {} for name in data.IMAGES}
-        | {"of its own coordinates": dict(Vector=None), "blended": {".projection": "BOX", ".projection_blend": 0.4}},
+        | {
+            "clipped, of none": {".extension": "CLIP"},
+            "of its own coordinates": dict(Vector=None),
+            "blended": {".projection": "BOX", ".projection_blend": 0.4},
+        },
     ),
     "ShaderNodeTexEnvironment": Recipe(dict(Vector="direction"), prepare=data.environment),
     "ShaderNodeTexSky": Recipe(dict(Vector="direction"), prepare=data.sky, ignored=("sun_disc",)),
@@ -398,7 +422,10 @@ RECIPES: dict[str, Recipe] = {
         shapes={"of its back": BACK},
     ),
     "ShaderNodeWireframe": Recipe(
-        dict(Size=0.083), ignored=("use_pixel_size",), variants={"in pixels": {".use_pixel_size": True, "Size": 1.5}}
+        dict(Size=0.083),
+        ignored=("use_pixel_size",),
+        variants={"in pixels": {".use_pixel_size": True, "Size": 1.5}, "of less than zero": dict(Size=-0.083)},
+        shape=lambda modes: BOX if modes["use_pixel_size"] else PLANE,
     ),
     "ShaderNodeBump": Recipe(
         dict(Strength=0.7, Distance=0.3, Height=wavy),
@@ -407,6 +434,10 @@ RECIPES: dict[str, Recipe] = {
             "of varying strength": dict(Strength="factor"),
             "wide": {"Filter Width": 2.0},
             "of a normal": dict(Normal=bumped),
+            "of a constant": dict(Height=_number(0.7)),
+            "of a constant and a normal": dict(Height=_number(0.7), Normal=bumped),
+            "of constants": dict(Height=_number(0.7), Normal=_constant_vector),
+            "of a constant normal": dict(Normal=_constant_vector),
         },
     ),
     "ShaderNodeNormalMap": Recipe(

@@ -196,6 +196,22 @@ def texture_mapping(sources):
     return socket
 
 
+def _own_mapping(kind: str, scale: tuple, axis: str = "X"):
+    def build(sources):
+        socket = sources.graph.node("ShaderNodeTexGradient", Vector=sources["vector3"])
+        mapping = socket.node.texture_mapping
+        mapping.vector_type, mapping.rotation, mapping.scale = kind, (0.3, 0.5, -0.4), scale
+        mapping.mapping_x = axis
+        return socket
+
+    return build
+
+
+special("Mapping of the texture itself, of normals")(_own_mapping("NORMAL", (1.7, -0.6, 1.0)))
+special("Mapping of the texture itself, without an axis")(_own_mapping("NORMAL", (1.7, -0.6, 1.0), "NONE"))
+special("Mapping of the texture itself, of no scale")(_own_mapping("TEXTURE", (1.7, 0.0, 1.0)))
+
+
 # -- Blender 5.0 and later ---------------------------------------------------------------------------------------------
 
 

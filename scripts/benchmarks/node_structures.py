@@ -200,6 +200,85 @@ def through_muted_number(sources):
     return socket
 
 
+def _through(inputs: str, result: str, feed):
+    """A constant through a group of one socket of another type, with no node or with one that Blender computes."""
+
+    def build(sources):
+        node = _used(sources, _tree("Passed", dict(Passed=inputs), result, lambda graph, inputs: inputs["Passed"]))
+        feed(sources, node.inputs[0])
+        return node.outputs[0]
+
+    return build
+
+
+def _linked(kind: str, output: str | int = 0, **inputs):
+    def feed(sources, socket):
+        sources.graph.links.new(sources.graph.node(kind, output, **inputs), socket)
+
+    return feed
+
+
+def _red(sources, socket):
+    color = sources.graph.node("ShaderNodeRGB")
+    color.default_value = (0.9, 0.3, 0.1, 1.0)
+    sources.graph.links.new(color, socket)
+
+
+_PLACE = (0.31, 0.42, 0.17)
+for _name, _feed in {
+    "Sum": _linked("ShaderNodeMath", _0=2.6, _1=0.3),
+    "Negative sum": _linked("ShaderNodeMath", _0=-2.6, _1=0.3),
+    "Inverted color": _linked("ShaderNodeInvert", Fac=0.4, Color=(0.9, 0.3, 0.1)),
+    "Color node": _red,
+    "Ramp": _linked("ShaderNodeValToRGB", Fac=0.4),
+    "Curves": _linked("ShaderNodeRGBCurve", Fac=0.6, Color=(0.9, 0.3, 0.1)),
+    "Mapped vector": _linked("ShaderNodeMapping", Vector=_PLACE, Scale=(3.0, 4.0, 0.5)),
+    "Rotated vector": _linked("ShaderNodeVectorRotate", Vector=_PLACE, Angle=1.3),
+    "Noise of its own place": _linked("ShaderNodeTexNoise", "Color"),
+    "White noise of its own place": _linked("ShaderNodeTexWhiteNoise", "Color"),
+}.items():
+    for _type in ("Float", "Int", "Bool"):
+        special(f"{_name} through a group of {_type}")(_through(_type, "Color", _feed))
+
+
+@special("Switch of a group before a number")
+def switch_before_number(sources):
+    def fill(graph, inputs):
+        return graph.node("ShaderNodeInvert", Fac=inputs["On"], Color=(0.9, 0.3, 0.1))
+
+    node = _used(sources, _tree("Switched", dict(On="Bool"), "Float", fill))
+    node.inputs[0].default_value = True
+    return node.outputs[0]
+
+
+@special("Unknown node in a group")
+def unknown_in_group(sources):
+    tree = _tree("Unknown", dict(Place="Vector"), "Color", lambda graph, inputs: graph.node("ShaderNodeShaderToRGB"))
+    return sources.graph.node("ShaderNodeGamma", Color=_used(sources, tree).outputs[0], Gamma=1.4)
+
+
+@special("Unknown node before a reroute")
+def unknown_before_reroute(sources):
+    reroute = sources.graph.nodes.new("NodeReroute")
+    sources.graph.links.new(sources.graph.node("ShaderNodeShaderToRGB"), reroute.inputs[0])
+    return reroute.outputs[0]
+
+
+@special("Unknown node before a texture")
+def unknown_before_texture(sources):
+    return sources.graph.node(
+        "ShaderNodeTexNoise", "Color", Vector=sources.graph.node("ShaderNodeShaderToRGB"), Scale=2.0
+    )
+
+
+@special("Muted nodes without such an input")
+def muted_chain(sources):
+    first, second = sources.graph.node("ShaderNodeTexCoord", "Normal"), sources.graph.node("ShaderNodeGamma", Gamma=1.4)
+    sources.graph.links.new(first, second.node.inputs["Color"])
+    first.node.mute = second.node.mute = True
+    return second
+
+
 # -- muted groups ------------------------------------------------------------------------------------------------------
 
 

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import bpy
 
 from . import node_data
-from .node_cases import Case, scratch
+from .node_cases import CLOSURE, Case, scratch
 from .node_cases import nodes as compared_nodes
 from .node_recipes import BACK, BALL, BOX, PLANE, RECIPES
 
@@ -256,3 +256,87 @@ class RandomCase(Case):
 def case(seed: int, back: int = 0) -> RandomCase:
     shape = random.Random(f"shape {seed}").choice((PLANE, BACK, BALL, BOX))
     return RandomCase("Random", shape=shape, seed=seed, back=back)
+
+
+# -- closures ----------------------------------------------------------------------------------------------------------
+
+# Of hair, without a definition by its node alone, or a closure of another place.
+NO_SURFACES = {"Background", "BsdfHair", "BsdfHairPrincipled", "BsdfRayPortal", "EeveeSpecular", "Holdout", "Script"}
+RANGES = {  # of numbers of closures; all others are between 0 and 1
+    "IOR": (1.0, 2.5),
+    "Coat IOR": (1.0, 2.0),
+    "Thin Film IOR": (1.0, 2.0),
+    "Thin Film Thickness": (0.0, 900.0),
+    "Scale": (0.02, 0.5),
+    "Subsurface Scale": (0.02, 0.5),
+    "Strength": (0.0, 2.0),
+    "Anisotropy": (-1.0, 1.0),
+}
+
+
+@functools.cache
+def surfaces() -> tuple[str, ...]:
+    """bl_idname of each closure of a surface, without mixes."""
+    with scratch() as tree:
+        found = {name: tree.nodes.new(name).outputs for name in compared_nodes()}
+        return tuple(
+            name
+            for name, outputs in found.items()
+            if name.removeprefix("ShaderNode") not in NO_SURFACES
+            and not name.startswith("ShaderNodeVolume")
+            and any(socket.type == "SHADER" for socket in outputs)
+            and name not in ("ShaderNodeMixShader", "ShaderNodeAddShader")
+        )
+
+
+def closure(tree: Tree, depth: int = 0) -> bpy.types.NodeSocket:
+    """A closure, or a mix or sum of some."""
+    numbers = tree.numbers
+    kind = numbers.random()
+    if depth < 2 and kind < 0.3:
+        made = tree.tree.nodes.new("ShaderNodeMixShader" if kind < 0.22 else "ShaderNodeAddShader")
+        for socket in made.inputs:
+            if socket.type == "SHADER":
+                if numbers.random() < 0.95:
+                    tree.tree.links.new(closure(tree, depth + 1), socket)
+            elif numbers.random() < 0.5:
+                tree.tree.links.new(tree.value(), socket)
+            else:
+                socket.default_value = numbers.random()
+        return made.outputs[0]
+    name = "ShaderNodeBsdfPrincipled" if numbers.random() < 0.5 else numbers.choice(surfaces())
+    made = tree.tree.nodes.new(name)
+    for item in made.bl_rna.properties:
+        if item.type == "ENUM" and not item.is_readonly and item.identifier not in bpy.types.Node.bl_rna.properties:
+            tree._set(made, item.identifier, numbers.choice(item.enum_items.keys()))
+    for socket in made.inputs:
+        if not socket.enabled or socket.type not in VALUES or numbers.random() < 0.5:
+            continue
+        if numbers.random() < 0.2:
+            tree.tree.links.new(tree.value(), socket)
+        elif socket.hide_value or socket.type == "BOOLEAN":
+            continue
+        elif socket.type == "VALUE":
+            socket.default_value = numbers.uniform(*RANGES.get(socket.name, (0.0, 1.0)))
+        else:
+            socket.default_value = [numbers.uniform(0.05, 0.95) for _ in socket.default_value]
+    return made.outputs[0]
+
+
+@dataclass(frozen=True)
+class RandomClosure(Case):
+    """The closures of a seed, on a lit ball."""
+
+    seed: int = 0
+
+    @property
+    def name(self) -> str:
+        return f"Random closure {self.seed}"
+
+    def build(self, graph) -> bpy.types.NodeSocket:
+        tree = Tree(random.Random(self.seed), graph.material.node_tree, left=5)
+        return closure(tree)
+
+
+def closure_case(seed: int) -> RandomClosure:
+    return RandomClosure("Random", place=CLOSURE, shape=BALL, seed=seed)

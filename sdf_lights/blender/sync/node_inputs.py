@@ -38,7 +38,9 @@ MOST_IES_BYTES = 16 << 20  # of an IES text; reading a device would never end
 
 def is_field(node, socket) -> bool:
     """Whether Blender computes no result of a node without a link to this input: it stands for the position."""
-    return has_coordinates(node, socket) or node.bl_idname == "ShaderNodeTexWhiteNoise" and socket.identifier == "Vector"
+    return (
+        has_coordinates(node, socket) or node.bl_idname == "ShaderNodeTexWhiteNoise" and socket.identifier == "Vector"
+    )
 
 
 def has_coordinates(node, socket) -> bool:

@@ -49,7 +49,18 @@ EXAMPLES = {"VALUE": 0.0, "VECTOR": BLACK, "RGBA": BLACK}  # type of a socket ->
 FOLDED = {
     f"ShaderNode{name}"
     for name in (
-        *("Blackbody", "Clamp", "CombineColor", "CombineXYZ", "FloatCurve", "Gamma", "MapRange", "Math", "Mix", "MixRGB"),
+        *(
+            "Blackbody",
+            "Clamp",
+            "CombineColor",
+            "CombineXYZ",
+            "FloatCurve",
+            "Gamma",
+            "MapRange",
+            "Math",
+            "Mix",
+            "MixRGB",
+        ),
         *("RGBCurve", "RadialTiling", "SeparateXYZ", "TexBrick", "TexChecker", "TexGabor", "TexGradient", "TexMagic"),
         *("TexNoise", "TexVoronoi", "TexWave", "TexWhiteNoise", "ValToRGB", "Value", "VectorCurve", "VectorMath"),
         "VectorRotate",
@@ -70,7 +81,10 @@ def converted(value, socket_type: str, like):
 
 
 def whole(value: Formula | Vector, socket_type: str, wanted: str) -> Formula:
-    """A value of a socket of that type at a socket of whole numbers (``WHOLE``): without its fraction, or 1 for true."""
+    """A value of a socket of that type at a socket of whole numbers (``WHOLE``): without its fraction, or 1 for true.
+    Cycles, which converts before Blender 5.0, knows no truth."""
+    if not INLINED:
+        wanted = "INT"
     if wanted == "BOOLEAN" and isinstance(value, Vector) and socket_type != "RGBA":
         return where_zero(abs(value.x) + abs(value.y) + abs(value.z), 0.0, constant(1.0))
     number = converted(value, socket_type, 0.0)

@@ -202,8 +202,8 @@ class Reader:
         return value, socket_type
 
     def folds(self, node, stack: Stack, ignored: str = "") -> bool:
-        """Whether Blender computes a node itself and gives Cycles only the result: since 5.0, if it is one of ``FOLDED``
-        and all its inputs, but for the ``ignored`` one, are constants."""
+        """Whether Blender computes a node itself and gives Cycles only the result: since 5.0, if it is one of
+        ``FOLDED`` and all its inputs, but for the ``ignored`` one, are constants."""
         if not INLINED:
             return False
         key = node.as_pointer(), zones.key_of(stack), ignored

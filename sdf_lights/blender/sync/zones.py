@@ -164,7 +164,12 @@ the node."""
 
 def is_constant(node) -> bool:
     """Whether ``constant_of`` gives the values of a node."""
-    return node.bl_idname in ("GeometryNodeRepeatInput", "FunctionNodeInputBool", "FunctionNodeInputInt", "FunctionNodeInputVector")
+    return node.bl_idname in (
+        "GeometryNodeRepeatInput",
+        "FunctionNodeInputBool",
+        "FunctionNodeInputInt",
+        "FunctionNodeInputVector",
+    )
 
 
 def constant_of(node, output, stack: Stack):
