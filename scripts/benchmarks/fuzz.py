@@ -1,6 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Random scenes by both engines: which pictures differ by more than noise, and which features make them differ."""
+"""Random scenes by both engines: which pictures differ by more than noise, and which features make them differ.
+
+``--trees``: random node trees instead, whose value is the light of an object, so that there is no noise.
+"""
 
 from __future__ import annotations
 
@@ -11,9 +14,15 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from . import pictures, random_scenes
+from . import node_pictures, node_scenes, pictures, random_nodes, random_scenes
 from .node_pictures import CYCLES, ENGINES
 from .progress import Progress
+
+TOGETHER = 64  # node trees in one picture
+TREE_SIZE, TREE_SAMPLES = 24, 4
+PIXEL = 0.01  # change of a pixel that counts, from black (0) over its median (0.5) to white (1)
+JUMPS = 3.0  # factor on the change of our own picture when its rays move by a hundredth of a pixel
+PIXELS = 0.01  # part of the pixels that may change
 
 HELP = "random scenes beside Cycles: pictures that differ by more than noise"
 FIRST, SCENES, QUICK_SCENES = 0, 100, 4
@@ -63,6 +72,7 @@ def difference_of(theirs: np.ndarray, ours: np.ndarray) -> Difference:
 def arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument("--first", type=int, default=FIRST, help=f"seed of the first scene (default: {FIRST})")
     command.add_argument("--scenes", type=int, help=f"number of scenes (default: {SCENES}; --quick: {QUICK_SCENES})")
+    command.add_argument("--trees", type=int, help="compare so many random node trees, instead of scenes")
     command.add_argument("--reduce", action="store_true", help="leave out features for as long as pictures differ")
 
 
@@ -105,12 +115,56 @@ def row_of(seed: int, options: argparse.Namespace) -> dict:
     )
 
 
+def tree_rows(seeds: range, device: str) -> list[dict]:
+    """Rows of the random node trees of these seeds, in one picture: the part of their pixels that differ, but for those
+    beside jumps."""
+    cases = [random_nodes.case(seed) for seed in seeds]
+    grid = node_scenes.grid_of(cases, TREE_SIZE)
+    scene, problems = node_scenes.build(grid)
+    if problems:
+        raise RuntimeError(f"these trees cannot be built: {problems}")
+    made = {}
+    for engine in ENGINES:
+        node_scenes.settings(scene, engine, TREE_SAMPLES, 0, False, device)
+        made[engine] = pictures.render().pixels
+    theirs, ours = made.pop(CYCLES), *made.values()
+    steps = ((1, 0), (-1, 0), (0, 1), (0, -1))
+    moved = [node_pictures.moved(scene, step) for step in steps]
+    rows = []
+    for index, case in enumerate(cases):
+        given = grid.tile(theirs, index)
+        scale = max(float(np.median(np.abs(given))), 1e-3)
+        shown, own, *others = (_squashed(grid.tile(picture, index), scale) for picture in (theirs, ours, *moved))
+        change = np.max([np.abs(other - own) for other in others], axis=0)
+        beyond = np.abs(own - shown) - JUMPS * change > PIXEL
+        rows.append(dict(tree_seed=case.seed, different_pixels=float(beyond.any(-1).mean())))
+    return rows
+
+
+def _squashed(picture: np.ndarray, scale: float) -> np.ndarray:
+    """Values between −1 and 1, so that very large ones do not hide others; what is no number is black."""
+    given = np.where(np.isfinite(picture), picture, 0.0)
+    return given / (np.abs(given) + scale)
+
+
 def summary_of(rows: list[dict]) -> dict:
-    """``fuzz_scenes``; ``fuzz_beyond_noise``: how many of them differ."""
+    """``fuzz_scenes``, or ``fuzz_trees``; ``fuzz_beyond_noise``: how many of them differ."""
+    if rows and "tree_seed" in rows[0]:
+        return dict(fuzz_trees=len(rows), fuzz_beyond_noise=sum(row["different_pixels"] > PIXELS for row in rows))
     return dict(fuzz_scenes=len(rows), fuzz_beyond_noise=sum(bool(row["features"]) for row in rows))
 
 
 def run(options: argparse.Namespace) -> tuple[dict, list[dict]]:
+    if options.trees:
+        progress, rows = Progress(options.trees), []
+        for first in range(options.first, options.first + options.trees, TOGETHER):
+            seeds = range(first, min(first + TOGETHER, options.first + options.trees))
+            progress.show(f"trees {seeds.start} to {seeds.stop - 1}")
+            rows += tree_rows(seeds, options.device)
+            for _ in seeds:
+                progress.step()
+        progress.close()
+        return summary_of(rows), rows
     count = options.scenes or (QUICK_SCENES if options.quick else SCENES)
     progress, rows = Progress(count), []
     for seed in range(options.first, options.first + count):

@@ -247,13 +247,13 @@ def _explain_jumps(pairs: list[Pair], device: str) -> None:
     grid = _grid([pair.case for pair in pairs])
     scene, _ = node_scenes.build(grid)
     node_scenes.settings(scene, OURS, SHARP, 0, False, device)
-    straight, *moved = (_moved(scene, step) for step in ((0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1)))
-    change = np.max([np.abs(picture - straight) for picture in moved], axis=0)
+    straight, *others = (moved(scene, step) for step in ((0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1)))
+    change = np.max([np.abs(picture - straight) for picture in others], axis=0)
     for index, pair in enumerate(pairs):
         pair.change = change if alone else grid.tile(change, index)
 
 
-def _moved(scene, step: tuple[int, int]) -> np.ndarray:
+def moved(scene, step: tuple[int, int]) -> np.ndarray:
     """Our picture with all rays ``ASIDE`` pixels to the side, to the right and up."""
     with node_scenes.camera_moved(scene, *(ASIDE * part for part in step)):
         return pictures.render().pixels

