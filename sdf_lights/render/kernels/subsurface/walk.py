@@ -21,7 +21,7 @@ from ..geometry import surface_table
 from ..media.beams import attenuation, channel_probabilities, fade
 from ..media.phase import draw_cosine, henyey_greenstein
 from ..path import SUBSURFACE_SETS, path_table
-from ..ray_origins import offset_ray_origin
+from ..ray_origins import step_size
 from ..rays import ray_table
 from ..samplers import get_4d
 from ..shading.records import BURLEY, closure_table
@@ -79,7 +79,8 @@ def walk(block, workspace, closure):
     extinction, albedo, factor = coefficients(closure)
     g, instance = closure.a, surface.instance
     entry, n, direction = vec(surface.position), vec(surface.n), vec(path.direction)
-    position = offset_ray_origin(entry, vec(surface.ng), direction)
+    # The step off a surface may be longer than free paths, so the walk starts on it and ignores hits within that step.
+    position, nearest = entry, step_size(entry)
     throughput = mul(vec(path.throughput), factor)
     length = diffusion_length(largest(albedo))
     logarithm = math.log((length + 1.0) / (length - 1.0))
@@ -133,7 +134,8 @@ def walk(block, workspace, closure):
                 sampled *= backward if goes_back else outward
         distance = -math.log(1.0 - u[1]) / sampled
         reach = distance if step > 0 else max(distance, FAR_SIDE / min(extinction[0], extinction[1], extinction[2]))
-        found = intersect_instance(block, workspace, instance, position, direction, 0.0, reach)
+        found = intersect_instance(block, workspace, instance, position, direction, nearest, max(reach, nearest))
+        nearest = 0.0
         if found:
             t_hit = float(ray.t_far)
             if step == 0:
