@@ -588,7 +588,14 @@ RECIPES: dict[str, Recipe] = {
             "subsurface_method",
             {"Subsurface Weight": 1.0, "Subsurface Scale": 0.3, "Subsurface Radius": (1.0, 0.4, 0.2)},
         )
-        | {"half scattering": {"Subsurface Weight": 0.5, "Subsurface Scale": 0.3}},
+        | {
+            "half scattering": {"Subsurface Weight": 0.5, "Subsurface Scale": 0.3},
+            "short scattering": {
+                ".subsurface_method": "RANDOM_WALK_SKIN",
+                "Subsurface Weight": 1.0,
+                "Subsurface Scale": 0.005,
+            },
+        },
     ),
     # -- volumes ------------------------------------------------------------------------------------------------------
     "ShaderNodeVolumeAbsorption": Recipe(
