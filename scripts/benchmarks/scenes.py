@@ -60,7 +60,7 @@ def document(summary: dict, rows: list[dict], sampled: str) -> None:
         "|---|---|---|---|",
         *(
             f"| {row['artist_scene'].replace('_', ' ')} | {row['mean_ratio']:.3f} ± {row['mean_doubt']:.3f} "
-            f"| {row['samples_ratio']:.2f} × | {row['error_time_ratio']:.2f} × |"
+            f"| {row['samples_ratio']:.2f} × | {row['error_time_ratio']:.2f} × ± {100.0 * row['error_time_doubt']:.0f} % |"
             for row in rows
             if not row["error"]
         ),
