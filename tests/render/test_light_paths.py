@@ -300,9 +300,9 @@ def test_a_few_bright_pixels_do_not_decide():
 
 
 def test_noise_of_direct_light_promises_nothing():
-    assert pilot.may_pay(_pilot(4.0, 0.1))
-    assert not pilot.may_pay(_pilot(4.0, 3.9))
-    assert not pilot.may_pay(_pilot(0.0))
+    assert pilot.may_be_worthwhile(_pilot(4.0, 0.1))
+    assert not pilot.may_be_worthwhile(_pilot(4.0, 3.9))
+    assert not pilot.may_be_worthwhile(_pilot(0.0))
 
 
 def test_pilot_pixels_are_few_and_even():
