@@ -55,7 +55,7 @@ def ears(noise, groups, samples: int, rates, branches) -> tuple[np.ndarray, np.n
 # The terms that are switched off or replaced, and their text in the document: settings of the scene, or values of
 # ``sample_allocation``.
 ALL = "all"
-NEIGHBOURS = (1.0, 2.0, 1.0)
+NEIGHBOURS, NEAR, FAR = (tuple(map(float, np.poly1d((1, 1)) ** (2 * reach))) for reach in (1, 2, 4))
 TERMS: dict[str, tuple[str, dict, dict]] = {
     "splitting": ("paths do not divide", dict(indirect_paths=1), {}),
     "guidance": ("all pixels take the same number of samples", dict(guided_samples=False), {}),
@@ -74,17 +74,12 @@ TERMS: dict[str, tuple[str, dict, dict]] = {
     "survival": ("Russian roulette may end branches with any probability", {}, dict(LEAST_SURVIVAL=0.0)),
     "no_roulette": ("no Russian roulette of branches", {}, dict(LEAST_SURVIVAL=math.inf)),
     "connections": ("connections to light paths count as no time", {}, dict(CONNECTION_COST=0.0)),
-    "connected_left": ("connections to light paths may end branches alone", {}, dict(LEAST_PATH_WEIGHT=0.0)),
-    "cost": ("what precedes branches counts as no time", {}, dict(COST=0.0)),
-    "cost_more": ("what precedes branches counts as two surfaces more", {}, dict(COST=2.7)),
+    "connected_left": ("what connections estimate may end any branch", {}, dict(LEAST_PATH_WEIGHT=0.0)),
+    "cost": ("what a sample costs beside branches and boxes counts as no time", {}, dict(COST=0.0)),
     "least_rate": ("pixels take a quarter of the set number of samples or more", {}, dict(LEAST_RATE=0.25)),
-    "floor": ("the error that is minimised has a floor five times as high", {}, dict(FLOOR=0.05)),
-    "far": ("the brightness of neighbours as near as their noise", {}, dict(FAR=(1.0, 4.0, 6.0, 4.0, 1.0))),
-    "near": (
-        "the noise of branches from as far as brightness",
-        {},
-        dict(NEAR=(1.0, 8.0, 28.0, 56.0, 70.0, 56.0, 28.0, 8.0, 1.0)),
-    ),
+    "floor": ("errors are relative to a floor that is five times as high", {}, dict(FLOOR=0.05)),
+    "far": ("brightness of the 24 nearest neighbours, not of 80", {}, dict(FAR=NEAR)),
+    "near": ("noise of branches of the 80 nearest neighbours, not of 24", {}, dict(NEAR=FAR)),
     "patch": ("patches of two pixels", {}, dict(PATCH=2)),
     "bands": ("a quarter of the rows first", {}, dict(BANDS=4)),
     "ears": (

@@ -42,12 +42,13 @@ import numpy as np
 from .film import Film
 from .settings import MOST_BRANCHES, Settings
 
+# Figures are error × time without a term, or with another value, over that with it: see the tables of docs/sampling.md.
 FIRST_UPDATE = 2  # samples before the first update: the fewest that scatter; each later update is at twice as many
-PATCH = 4  # side, in pixels, of a patch whose differences are summed: most patches have no edge
-BANDS = 8  # one row of patches of 8 takes its first sample before the others
-# Figures are error × time without a term, over that with it: see the tables of docs/sampling.md. C, in surfaces that a
-# branch meets: 0.7 to 1.8 were measured, and 2 more where a light ray needs the boxes of a lamp. The least is used,
-# because the best of noisy estimates makes branches look too good. Without the 2: 1.45 under lamps.
+PATCH = 4  # side, in pixels, of a patch whose differences are summed: most patches have no edge. With 2: 1.0 to 1.2
+BANDS = 8  # one row of patches of 8 takes its first sample before the others. One of 4: 1.0 to 1.4
+# C, in surfaces that a branch meets: 0.7 to 1.8 were measured, and 2 more where a light ray needs the boxes of a lamp.
+# The least is used, because the best of noisy estimates makes branches look too good. Without the 0.7: 0.9 to 1.4.
+# Without the 2: 1.45 under lamps.
 COST, CUT_COST = 0.7, 2.0
 # Branches of pixels that show how branches scatter: of all pixels at first, later of this part of them, which costs 1
 # %. Without them: 1.06 to 1.17 in ordinary scenes.
@@ -57,16 +58,18 @@ PROBE_BRANCHES, PROBE_FRACTION = 2, 1.0 / 32.0
 # Without: 1.1 to 1.2 there.
 SPLITTING_GAIN, GUIDANCE_GAIN = 0.8, 0.9
 MOST_POWER = 2.0  # a is between that of independent samples, 1, and this; without: 1.05 under lamps
-FLOOR = 0.01  # part of the mean square brightness that is added to the squares which errors are relative to
+# Part of the mean square brightness that is added to the squares which errors are relative to. It defines the error.
+FLOOR = 0.01
 # Limits of the number of samples, relative to the one that is set; the lower one is rounded down to a power of two. The
 # upper one is at most the number of samples so far, because few samples show little. With 2: up to 1.24 where light is
-# rare.
+# rare. With a quarter as the lower one: 1.0 to 1.1.
 LEAST_RATE, MOST_RATE = 0.5, 8.0
 BRANCHES = tuple(1 << power for power in range(MOST_BRANCHES.bit_length()))
-LEAST = 2.0**-24  # the least D and I, relative to the greatest
+LEAST = 2.0**-24  # the least D and I, relative to the greatest: beyond it, they change no choice
 LEVELS = 1 - int(np.log2(LEAST))  # powers of two of D and I: pixels with the same ones are treated alike
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)  # its multiples spread evenly
-# Weights of neighbours along each axis: D varies more sharply than I. With NEXT for all: up to 1.5.
+# Weights of neighbours along each axis: D varies more sharply than I. With NEXT for all: up to 1.5. With NEAR instead
+# of FAR: 0.9 to 1.2. With FAR instead of NEAR: 0.8 to 2.4.
 NEXT, NEAR, FAR = (tuple(float(math.comb(2 * reach, place)) for place in range(2 * reach + 1)) for reach in (1, 2, 4))
 
 
