@@ -11,6 +11,7 @@ over pixels depend on the seeds, so there is a second figure, without the noisie
 from __future__ import annotations
 
 import functools
+import importlib
 import math
 import statistics
 from collections.abc import Iterator
@@ -131,7 +132,7 @@ def _without(values: dict) -> Iterator[None]:
 @functools.cache
 def _tile(splitting, constants: tuple[tuple[str, float], ...]):
     """``render_tile`` of ``path_splitting`` with other constants."""
-    jit, names = host.program("jit"), dict(constants)
+    jit, names = importlib.import_module("...jit", splitting.__package__), dict(constants)
     suffix = "_".join(f"{name}_{value}" for name, value in constants)
     roulette = jit.specialised(splitting.roulette_branches, f"roulette_branches_{suffix}", **names)
     branches = jit.specialised(
