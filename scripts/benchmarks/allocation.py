@@ -171,7 +171,8 @@ def measure(name: str, terms: list[str], options) -> list[dict]:
     samples = QUICK_SAMPLES if options.quick else SAMPLES
     seeds = options.repeats or (QUICK_SEEDS if options.quick else SEEDS)
     variants = [ALL, *terms]
-    _render(name, scene, ALL, 1, 0, options.device)  # compiles, and fills caches
+    for variant in variants:
+        _render(name, scene, variant, 1, 0, options.device)  # compiles, and fills caches
     start = statistics.median(_render(name, scene, "both", 1, 0, options.device).work for _ in range(3))
     made = in_turns(
         variants, range(max(seeds, 2)), lambda term, seed: _render(name, scene, term, samples, seed, options.device)
