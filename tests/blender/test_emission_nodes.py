@@ -194,7 +194,7 @@ def test_parameters_of_shape_and_emission_are_one_set(made, data, glow):
     other.parameter = "depth"
     assert "depth has a special meaning" in problems(made)[other.name]
     other.parameter, other.default = "size", 1.0
-    assert "declares size otherwise" in problems(made)[other.name]
+    assert "declares size differently" in problems(made)[other.name]
 
 
 def test_colours_go_in_and_out_of_groups(made, glow):
