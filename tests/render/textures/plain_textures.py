@@ -22,7 +22,7 @@ assert not jit.AVAILABLE
 def kernels() -> dict:
     found = [brick.brick, *gabor.KERNELS.values(), *white_noise.VALUE.values(), *white_noise.COLOR.values()]
     for dimensions in (1, 2, 3, 4):
-        found += [noise.value(dimensions), noise.color(dimensions)]
+        found += [noise.value(dimensions), noise.color(dimensions), noise.free_value(dimensions)]
         for hashing in (voronoi.WHOLE, voronoi.FLOATS):
             found += [voronoi.edge(dimensions, hashing), voronoi.radius(dimensions, hashing)]
             for make, feature in itertools.product((voronoi.distance, voronoi.cell), voronoi.FEATURES.values()):
