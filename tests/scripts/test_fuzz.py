@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 from benchmarks import fuzz, random_nodes, random_scenes
 
+from sdf_lights.blender.shader_trees import use_nodes
+
 SIZE, SEEDS = 48, 4
 SEEDS_OF_TREES = range(83, 115)  # none hangs on rounding, as white noise of a varying number does
 
@@ -66,7 +68,7 @@ def test_features_are_left_out_while_pictures_differ(monkeypatch):
 
 def nodes_of(seed: int) -> list[tuple]:
     """Nodes of a tree, with the links between them."""
-    tree = bpy.data.materials.new("Tree").node_tree
+    tree = use_nodes(bpy.data.materials.new("Tree"))
     tree.nodes.clear()
     random_nodes.case(seed).tree(tree)
     links = [(link.from_node.name, link.from_socket.identifier, link.to_node.name) for link in tree.links]
