@@ -225,6 +225,14 @@ def _strands(scene) -> None:
 SKIN = Node(
     "principled", {"base_color": (0.8, 0.5, 0.4), "subsurface_weight": 0.7, "subsurface_radius": (0.3, 0.2, 0.1)}
 )
+SHINY = Node(
+    "mix_closure",
+    {
+        "factor": 0.5,
+        "a": Node("diffuse", {"color": (0.7, 0.7, 0.7)}),
+        "b": Node("glossy", {"color": (0.9, 0.9, 0.9), "roughness": 0.0}),
+    },
+)
 BRUSHED = Node(
     "mix_closure",
     {
@@ -252,6 +260,37 @@ def test_what_they_do_not_follow_is_left_to_paths(change):
     by chance, one set of seeds in a hundred would not."""
     found = [
         np.array([picture(each, change=change, seed=seed, samples=8) for seed in range(24)])
+        for each in (WITHOUT, ALWAYS)
+    ]
+    assert not np.array_equal(*found)
+    for one, other in zip(*(means(each) for each in found)):
+        error = np.sqrt((one.var(axis=0, ddof=1) + other.var(axis=0, ddof=1)) / len(one))
+        assert np.all(np.abs(other.mean(axis=0) - one.mean(axis=0)) < 4.5 * error + 1e-9)
+
+
+def _metals(scene) -> None:
+    """A wall, the ceiling and the shelf are metal."""
+    scene.materials.append(material("glossy", "steel", color=(0.9, 0.9, 0.9), roughness=0.1))
+    for index in (2, 4, 5):
+        scene.instances[index].materials = (len(scene.materials) - 1,)
+
+
+@pytest.mark.parametrize(
+    "limit, change",
+    [
+        (1.0, lambda scene: None),
+        *(
+            pytest.param(limit, change, marks=pytest.mark.slow)
+            for limit, change in ((1.0, _metals), (1.0, _everywhere(SHINY)), (4.0, _metals), (0.2, _everywhere(SHINY)))
+        ),
+    ],
+    ids=["glass and coat", "metal", "mirrors", "high limit", "low limit"],
+)
+def test_filter_glossy_leaves_the_mean(limit, change):
+    """With lobes that Filter Glossy blurs, means of the whole and of blocks over 24 renders each agree within 4.5
+    standard errors: by chance, one set of seeds in a hundred would not."""
+    found = [
+        np.array([picture(each, change=change, seed=seed, filter_glossy=limit) for seed in range(24)])
         for each in (WITHOUT, ALWAYS)
     ]
     assert not np.array_equal(*found)

@@ -23,7 +23,15 @@ from ..kernels.light_paths.records import (
 )
 from ..kernels.light_paths.trace import dim_unseen, find_pilots, trace_light_paths
 from ..kernels.outputs.records import LOBES
-from ..kernels.shading.material_records import LOBE_ALPHA, LOBE_DIFFUSE, LOBE_PRINCIPLED, LOBE_TRANSLUCENT
+from ..kernels.shading.material_records import (
+    LOBE_ALPHA,
+    LOBE_DIFFUSE,
+    LOBE_GLASS,
+    LOBE_GLOSSY,
+    LOBE_PRINCIPLED,
+    LOBE_REFRACTION,
+    LOBE_TRANSLUCENT,
+)
 from ..kernels.shading.records import GLOSSY, HAS_TRANSPARENCY, STOPS_LIGHT_RAYS, TRANSMISSION
 from ..kernels.shading.special_lobes import (
     LOBE_SHEEN,
@@ -53,6 +61,10 @@ CHUNK = 256  # paths that a thread takes at once
 # some light does that light paths cannot follow, whose noise grows with it.
 MOST_ROULETTE, SOME_ROULETTE = 0.02, 0.3
 SIMPLE_LOBES = (*range(LOBE_ALPHA + 1), LOBE_SHEEN, LOBE_VELVET)
+UNBLURRED_LOBES = tuple(
+    set(SIMPLE_LOBES) - {LOBE_GLOSSY, LOBE_GLASS, LOBE_REFRACTION, LOBE_PRINCIPLED}
+)  # by Filter Glossy
+LEAST_FILTER = 1.0  # limit of Filter Glossy: well above 1/π, the greatest density of diffuse scattering
 END_OF_KNOWN, THIN = LOBE_SUBSURFACE + 1, WITH_THIN_WALL | WITH_THIN_SCATTERING
 
 SCATTERED = Ray.DIFFUSE | Ray.GLOSSY | Ray.TRANSMISSION | Ray.SHADOW
@@ -65,8 +77,7 @@ def can_connect(scene: Scene, packed: PackedScene) -> bool:
     - There are lamps from which light paths start: see ``sources_of``. What other lights, the world and surfaces emit
       is left to paths, and so is what light paths cannot follow: see ``materials_of``.
     - Each object is met by all kinds of rays but the camera's or by none, as a light path does not know yet what kind
-      of ray it is seen by. For the same reason no material asks for the ray that meets it, no caustics are off, and no
-      glossy filter is on.
+      of ray it is seen by. For the same reason no material asks for the ray that meets it, no caustics are off.
     - Nothing moves, scatters in a volume or catches shadows, and strands are opaque. What is transparent is so to light
       rays, too.
     - No pass wants light by the lobe that scattered it first: what connections take from a ray is of diffuse lobes
@@ -89,7 +100,6 @@ def can_connect(scene: Scene, packed: PackedScene) -> bool:
         and not packed.moves
         and not catches_shadows(scene)
         and not block["outputs"] & LOBES
-        and settings.filter_glossy == 0.0
         and block["caustics"] == GLOSSY | TRANSMISSION
         and not (packed.table("lobes")["features"] & ONCE).any()
         and bool(materials_of(packed)[_used(scene)].all())
@@ -145,15 +155,18 @@ def materials_of(packed: PackedScene) -> np.ndarray:
     - Light that a material passes on diffusely is not connected: of which side of it a light path comes, a path from
       the camera does not know.
     - Light paths follow no closure that may be sharp but a mirror's or glass's, and none that they do not know.
+    - Filter Glossy blurs lobes by all of the path from the camera, of which a light path knows only what is usual. From
+      the limit ``LEAST_FILTER`` on, this hardly matters. Below, light paths follow no lobes.
     """
-    table = packed.table("lobes")
+    table, filtered = packed.table("lobes"), packed.block[0]["filter_glossy"]
+    followed = SIMPLE_LOBES if filtered == 0.0 or filtered >= LEAST_FILTER else UNBLURRED_LOBES
     found = []
     for first, end in packed.table("materials")["lobes"]:
         kinds, features = table["kind"][first:end], table["features"][first:end]
         if (kinds >= END_OF_KNOWN).any() or (features[kinds == LOBE_PRINCIPLED] & THIN).any():
             found.append(0)
             continue
-        simple = np.isin(kinds, SIMPLE_LOBES).all() and not (features & (WITH_FACETS | WITH_SUBSURFACE)).any()
+        simple = np.isin(kinds, followed).all() and not (features & (WITH_FACETS | WITH_SUBSURFACE)).any()
         found.append(
             CONNECTS * int(LOBE_TRANSLUCENT not in kinds)
             | ONLY_DIFFUSE * int((kinds == LOBE_DIFFUSE).all())

@@ -7,6 +7,10 @@ once more for the direction that was drawn, with the light where that came from 
 BSDFs). With E = f · |cos| of the way back,
 
     flux' = flux · E(ω', ω) |ng · ω'| / (|ng · ω| p(ω')).
+
+Filter Glossy blurs lobes by the least density with which the path from the camera was scattered before. A light path
+does not know that path yet. It has been scattered diffusely at both ends of a connection at least, by the densities
+cosine / π. So lobes are blurred by the mean of the lesser one, which is ``_expected_density``.
 """
 
 from __future__ import annotations
@@ -26,6 +30,7 @@ from ..ray_origins import clear_self_primitive, offset_ray_origin, spawn_ray
 from ..rays import SHADOW_OPAQUE, beyond, hit_instance, intersect, occluded, ray_table, start_anew
 from ..samplers import get_2d, get_3d, get_4d, pixel_seed
 from ..shading import evaluate, sample, shade
+from ..shading.caustics import blur_lobes
 from ..shading.microfacet import reflectance
 from ..shading.records import (
     DIFFUSE,
@@ -45,6 +50,7 @@ SAME_DIRECTION = 1.0 - 1e-9  # cosine of the angle between what a mirror gives a
 LOOKS, UNSEEN = 4, 0.02  # rays from a vertex to pilots; what it counts where none of these see it
 NEARLY = 0.999  # of the way to a pilot, whose surface is not in the way
 FIRST_SETS, BOUNCE_SETS = 2, 2  # sets of random numbers of a path, and of each surface that it meets
+MEAN_DENSITY = 8.0 / (15.0 * math.pi)  # of ``_expected_density``, for all cosines
 PLACE = 1 << 20  # of a pixel that no picture has, whose numbers light paths have
 
 
@@ -127,6 +133,12 @@ def _scattered(block, workspace, wi, kind, pdf):
 
 
 @kernel
+def _expected_density(cosine):
+    """Mean of the lesser of c / π and cosine / π, for a random c of the density 2 c in (0, 1)."""
+    return (cosine - cosine * cosine * cosine / 3.0) / math.pi
+
+
+@kernel
 def _diffuse(workspace):
     """Whether the surface of the workspace scatters some light diffusely."""
     closures = closure_table(workspace)
@@ -154,10 +166,12 @@ def _trace(block, workspace, index, total, seed, raw, first, width):
             return count
         ray = ray_table(workspace)[0]
         distance = float(ray.t_far)
+        find_surface(block, workspace, negate(direction), DIFFUSE, 0.0)
         if waits:
             footprint = distance * block.camera_pixel_angle + block.camera_pixel_width
             surface_at(block, surface_table(secondary)[0], instance, primitive, u, v, direction, DIFFUSE, footprint)
             shade(block, secondary)
+            blur_lobes(block, secondary, _expected_density(abs(dot(vec(surface.n), direction))))
             before = largest(flux)
             factor, gloss = _scattered(block, secondary, wi, kind, pdf)
             flux = mul(flux, factor)
@@ -175,7 +189,6 @@ def _trace(block, workspace, index, total, seed, raw, first, width):
             dimension += BOUNCE_SETS
         instance, primitive, u, v = hit_instance(ray), np.int64(ray.primitive), float(ray.u), float(ray.v)
         wi = negate(direction)
-        find_surface(block, workspace, wi, DIFFUSE, 0.0)
         shade(block, workspace)
         triangle = instance_table(block)[instance].primitive == TRIANGLES
         flags = material_table(block)[surface.material] if triangle else 0
@@ -196,6 +209,7 @@ def _trace(block, workspace, index, total, seed, raw, first, width):
             count += 1
             if count == width:
                 return count
+        blur_lobes(block, workspace, MEAN_DENSITY)
         numbers = get_3d(index, seed, dimension)
         direction, _, pdf, _, kind = sample(block, workspace, numbers[0], numbers[1], numbers[2])
         if pdf <= 0.0:
