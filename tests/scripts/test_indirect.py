@@ -32,13 +32,20 @@ def test_equal_pictures_lose_time_alone():
 def test_summary_has_the_least_room_and_the_greatest_loss():
     rows = [
         dict(indirect_scene=scene, gain=gain, used=used)
-        for scene, gain, used in (("cove", 8.0, True), ("door", 2.0, True), ("S4", 0.8, False), ("street", 1.0, True))
+        for scene, gain, used in (
+            ("cove", 8.0, True),
+            ("door", 2.0, True),
+            ("cove_area", 3.0, True),
+            ("S4", 0.8, False),
+            ("street", 1.0, True),
+        )
     ]
     assert indirect.summary_of(rows) == {
         "loss_max": pytest.approx(1.25),
         "used_elsewhere": 1,
         "rooms_gain_min": 2.0,
         "rooms_gain_geomean": pytest.approx(4.0),
+        "lights_gain_min": 3.0,
     }
 
 

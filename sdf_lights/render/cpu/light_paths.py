@@ -22,6 +22,7 @@ from ..kernels.light_paths.records import (
     VERTEX,
 )
 from ..kernels.light_paths.trace import dim_unseen, find_pilots, trace_light_paths
+from ..kernels.lights.kinds import KINDS
 from ..kernels.outputs.records import LOBES
 from ..kernels.shading.material_records import (
     LOBE_ALPHA,
@@ -31,8 +32,9 @@ from ..kernels.shading.material_records import (
     LOBE_PRINCIPLED,
     LOBE_REFRACTION,
     LOBE_TRANSLUCENT,
+    NO_GRAPH,
 )
-from ..kernels.shading.records import GLOSSY, HAS_TRANSPARENCY, STOPS_LIGHT_RAYS, TRANSMISSION
+from ..kernels.shading.records import GLOSSY, HAS_EMISSION, HAS_TRANSPARENCY, STOPS_LIGHT_RAYS, TRANSMISSION
 from ..kernels.shading.special_lobes import (
     LOBE_SHEEN,
     LOBE_SUBSURFACE,
@@ -43,7 +45,7 @@ from ..kernels.shading.special_lobes import (
     WITH_THIN_SCATTERING,
     WITH_THIN_WALL,
 )
-from ..scene import ALL_SETS, MANY_BOUNCES, Primitive, Ray, Scene, catches_shadows
+from ..scene import ALL_SETS, MANY_BOUNCES, Lamp, Light, Primitive, Ray, Scene, catches_shadows
 from ..settings import LARGEST_BATCH, LampPaths
 from .block import PackedScene, Workspace
 
@@ -74,8 +76,8 @@ BY_PATH = {"ray_kind", "ray_length", "ray_singular", "depth"}  # what a material
 def can_connect(scene: Scene, packed: PackedScene) -> bool:
     """Whether connections may take light from paths, and whether that is asked for.
 
-    - There are lamps from which light paths start: see ``sources_of``. What other lights, the world and surfaces emit
-      is left to paths, and so is what light paths cannot follow: see ``materials_of``.
+    - There are lamps or lights from which light paths start: see ``powers_of``. What others, the world and surfaces
+      emit is left to paths, and so is what light paths cannot follow: see ``materials_of``.
     - Each object is met by all kinds of rays but the camera's or by none, as a light path does not know yet what kind
       of ray it is seen by. For the same reason no material asks for the ray that meets it, no caustics are off.
     - Nothing moves, scatters in a volume or catches shadows, and strands are opaque. What is transparent is so to light
@@ -91,7 +93,7 @@ def can_connect(scene: Scene, packed: PackedScene) -> bool:
         and settings.max_bounces > 0
         and vertices_of(scene, packed) <= MOST_VERTICES
         and (settings.transparent_bounces > 0 or not block["transparent_shadows"])
-        and sources_of(scene, packed).any()
+        and powers_of(scene, packed).any()
         and all(
             each.visibility & SCATTERED in (SCATTERED, 0) and each.receivers == each.blockers == ALL_SETS
             for each in scene.instances
@@ -128,18 +130,27 @@ def _on_strands(scene: Scene) -> list[int]:
     ]
 
 
-def sources_of(scene: Scene, packed: PackedScene) -> np.ndarray:
-    """(emitters,) 1 where light paths start: lamps that light all, whose shadows all cast, after any number of
-    bounces."""
-    found = np.zeros(len(packed.table("light_emitters")), np.int64)
-    count = packed.block[0]["lamp_count"]
-    found[:count] = [
-        lamp.receivers == lamp.blockers == ALL_SETS
-        and lamp.max_bounces >= MANY_BOUNCES
-        and not lamp.sampled_only
-        and lamp.visibility & SCATTERED == SCATTERED
-        for lamp in packed.lamps_of(scene)
+def powers_of(scene: Scene, packed: PackedScene) -> np.ndarray:
+    """(emitters,) watts where light paths start, else 0: lamps that light all, whose shadows all cast, after any number
+    of bounces, and such lights without nodes whose kind has ``leave``."""
+    emitters, lamps = packed.table("light_emitters"), packed.lamps_of(scene)
+    members: list[Lamp | Light] = [*lamps, *scene.lights]
+    found = np.zeros(len(emitters))
+    found[: len(lamps)] = packed.table("lamps")["power"][: len(lamps)]
+    for kind, module in KINDS.items():
+        if hasattr(module, "leave"):
+            rows = emitters["kind"] == kind
+            found[rows] = module.flux(packed.table(module.TABLE))[emitters["index"][rows]]
+    found *= (emitters["leaf"] >= 0) & (emitters["cast_shadow"] != 0)
+    found[: len(members)] *= [
+        each.receivers == each.blockers == ALL_SETS
+        and each.max_bounces >= MANY_BOUNCES
+        and not each.sampled_only
+        and each.visibility & SCATTERED == SCATTERED
+        for each in members
     ]
+    nodes = packed.table("emissions")["graph"][1 : 1 + len(scene.lights)]
+    found[len(lamps) : len(members)] *= nodes == NO_GRAPH
     return found
 
 
@@ -191,7 +202,12 @@ class LightPaths:
         self._width = vertices_of(scene, packed)
         x0, y0, x1, y1 = scene.border or (0, 0, scene.width, scene.height)
         self._pixels = (x1 - x0) * (y1 - y0)
-        self._lasting = {"light_path_materials": materials_of(packed), "light_path_sources": sources_of(scene, packed)}
+        powers = powers_of(scene, packed)
+        self._lasting = {
+            "light_path_materials": materials_of(packed),
+            "light_path_sources": (powers > 0.0).astype(np.int64),
+            "light_path_power": np.cumsum(powers),
+        }
         self._scalars = self._settled()
         self._fixed: dict[str, np.ndarray] = {}
         self._connected: int | None = None
@@ -229,8 +245,10 @@ class LightPaths:
         """The scalars of ``light_paths.records``: how much a path from the camera may count on light paths."""
         scene = self._scene
         sources, materials = self._lasting["light_path_sources"], self._lasting["light_path_materials"]
-        block, lamps = self._packed.block[0], int(self._packed.block[0]["lamp_count"])
-        alone = bool(sources[:lamps].all()) and not scene.lights and not block["emitters_hit"]
+        block, emitters = self._packed.block[0], self._packed.table("light_emitters")
+        shining = (emitters["leaf"] >= 0) | (emitters["infinite"] >= 0)
+        glows = (self._packed.table("materials")["flags"] & HAS_EMISSION).any()
+        alone = bool(sources[shining].all()) and not glows
         follows = bool((materials[_used(scene)] & FOLLOW_ALL).all()) and not block["has_strands"]
         roulette = (MOST_ROULETTE if follows else SOME_ROULETTE) if alone else 1.0
         return {"light_path_all": alone and follows, "light_path_roulette": roulette}

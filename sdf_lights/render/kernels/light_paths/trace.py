@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Light paths: from points of lamps on, by emission, with a vertex wherever a surface scatters some light diffusely.
+"""Light paths: from points of lamps and lights on, by emission, with a vertex wherever a surface scatters some light
+diffusely.
 
 A path carries flux. A surface scatters it by the BSDF that a path from the camera would meet, so a surface is shaded
 once more for the direction that was drawn, with the light where that came from (Veach 1997, section 5.3: adjoint
@@ -24,6 +25,7 @@ from ....emitter.lamps import lamps as lamp_table
 from ....emitter.sampling.cut_points import uniform_intensity
 from ....jit import kernel
 from ....vec import ZERO, add, average, dot, largest, length, madd, mul, negate, put, scale, sub, vec
+from .. import lights
 from ..camera import camera_ray
 from ..geometry import TRIANGLES, find_surface, instance_table, surface_at, surface_table
 from ..ray_origins import clear_self_primitive, offset_ray_origin, spawn_ray
@@ -43,7 +45,7 @@ from ..shading.records import (
 )
 from ..visibility import shadow_ray
 from ..workspace import secondary_table
-from .records import CONNECTS, FOLLOW_ALL, FOLLOW_DIFFUSE, material_table, source_table
+from .records import CONNECTS, FOLLOW_ALL, FOLLOW_DIFFUSE, material_table, power_table
 
 ANY = DIFFUSE | GLOSSY | TRANSMISSION
 SAME_DIRECTION = 1.0 - 1e-9  # cosine of the angle between what a mirror gives and what it should
@@ -51,35 +53,53 @@ LOOKS, UNSEEN = 4, 0.02  # rays from a vertex to pilots; what it counts where no
 NEARLY = 0.999  # of the way to a pilot, whose surface is not in the way
 FIRST_SETS, BOUNCE_SETS = 2, 2  # sets of random numbers of a path, and of each surface that it meets
 MEAN_DENSITY = 8.0 / (15.0 * math.pi)  # of ``_expected_density``, for all cosines
+LONGER = 1.0 + 1e-6  # factor of a distance that is the same but for rounding
 PLACE = 1 << 20  # of a pixel that no picture has, whose numbers light paths have
 
 
 @kernel
-def _power(block, lamp):
-    """Of a lamp from which light paths start; else 0."""
-    return lamp_table(block)[lamp].power if source_table(block)[lamp] else 0.0
+def _start(block, index, total, seed):
+    """Emitter, start, direction and flux (RGB, W) of a light path, and how far from there its light begins to be
+    scattered at most. The emitter is −1 if there is no light."""
+    u, powers = get_4d(index, seed, 0), power_table(block)
+    sum_of_powers = powers[len(powers) - 1]
+    emitter = min(np.searchsorted(powers, u[0] * sum_of_powers, side="right"), len(powers) - 1)
+    power = powers[emitter] - (powers[emitter - 1] if emitter > 0 else 0.0)
+    if not power > 0.0:
+        return -1, ZERO, ZERO, ZERO, 0.0
+    part, v = sum_of_powers / (power * total), get_2d(index, seed, 1)
+    if emitter >= block.lamp_count:
+        origin, direction, flux, reach = lights.leave_light(block, emitter, u[1], u[2], v[0], v[1])
+        return emitter, origin, direction, scale(flux, part), reach
+    center = vec(lamp_table(block)[emitter].center)
+    offset = lamps.way_inside(block, emitter, center, u[1], u[2], u[3])
+    z, around = 1.0 - 2.0 * v[0], 2.0 * math.pi * v[1]
+    s = math.sqrt(max(1.0 - z * z, 0.0))
+    flux = scale(uniform_intensity(block, emitter, offset), 4.0 * math.pi * part)
+    return emitter, add(center, offset), (s * math.cos(around), s * math.sin(around), z), flux, np.inf
 
 
 @kernel
-def _start(block, index, total, seed):
-    """Emitter, start, direction and flux (RGB, W) of a light path; the emitter is −1 if there is no light."""
-    u = get_4d(index, seed, 0)
-    sum_of_powers = 0.0
-    for lamp in range(block.lamp_count):
-        sum_of_powers += _power(block, lamp)
-    left, lamp = u[0] * sum_of_powers, 0
-    while lamp < block.lamp_count - 1 and left >= _power(block, lamp):
-        left -= _power(block, lamp)
-        lamp += 1
-    row = lamp_table(block)[lamp]
-    if not _power(block, lamp) > 0.0:
-        return -1, ZERO, ZERO, ZERO
-    offset = lamps.way_inside(block, lamp, vec(row.center), u[1], u[2], u[3])
-    v = get_2d(index, seed, 1)
-    z, around = 1.0 - 2.0 * v[0], 2.0 * math.pi * v[1]
-    s = math.sqrt(max(1.0 - z * z, 0.0))
-    flux = scale(uniform_intensity(block, lamp, offset), 4.0 * math.pi * sum_of_powers / (row.power * total))
-    return lamp, add(vec(row.center), offset), (s * math.cos(around), s * math.sin(around), z), flux
+def _is_singular(block, emitter, position, wi):
+    """Whether the light that an emitter sends to a position comes from one direction alone. Rays of a mirror do not
+    find it."""
+    return emitter >= block.lamp_count and lights.sample_light(block, emitter, position, wi, 0.5, 0.5)[4]
+
+
+@kernel
+def _is_lit(block, workspace, emitter, origin, direction, position, distance):
+    """Whether the light of a light path that started at ``origin`` reaches the ``position`` at this distance. A disk
+    that faces the lit point begins nearer to it or farther."""
+    if emitter < block.lamp_count:
+        return True
+    way = negate(direction)
+    begins = lights.distance_to_light(block, emitter, position, way)
+    if not begins > 0.0:
+        return False
+    if begins <= distance * LONGER:
+        return True
+    start_anew(block, workspace)
+    return not occluded(block, workspace, origin, way, 0.0, begins - distance, SHADOW_OPAQUE)
 
 
 @kernel
@@ -153,7 +173,7 @@ def _trace(block, workspace, index, total, seed, raw, first, width):
     """Follow one light path, and write its vertices into ``raw`` from ``first`` on, ``width`` at most; returns how
     many."""
     surface, secondary = surface_table(workspace)[0], secondary_table(workspace)[0]
-    emitter, origin, direction, flux = _start(block, index, total, seed)
+    emitter, origin, direction, flux, reach = _start(block, index, total, seed)
     if emitter < 0:
         return 0
     clear_self_primitive(ray_table(workspace)[0])
@@ -162,7 +182,7 @@ def _trace(block, workspace, index, total, seed, raw, first, width):
     instance, primitive, u, v, wi, waits = np.int64(0), np.int64(0), 0.0, 0.0, ZERO, False
     while True:
         start_anew(block, workspace)
-        if not intersect(block, workspace, origin, direction, t_min, np.inf, DIFFUSE):
+        if not intersect(block, workspace, origin, direction, t_min, reach, DIFFUSE):
             return count
         ray = ray_table(workspace)[0]
         distance = float(ray.t_far)
@@ -194,7 +214,11 @@ def _trace(block, workspace, index, total, seed, raw, first, width):
         flags = material_table(block)[surface.material] if triangle else 0
         position, ng = vec(surface.position), vec(surface.ng)
         albedo = average(mul(vec(surface.diffuse_albedo), flux))
-        if albedo > 0.0 and flags & CONNECTS and _diffuse(workspace):
+        lit, alone = True, False
+        if scatters == 1:
+            alone = _is_singular(block, emitter, position, wi)
+            lit = alone or _is_lit(block, workspace, emitter, origin, direction, position, distance)
+        if lit and albedo > 0.0 and flags & CONNECTS and _diffuse(workspace):
             vertex = raw[first + count]
             put(vertex.position, position)
             put(vertex.normal, ng)
@@ -220,6 +244,8 @@ def _trace(block, workspace, index, total, seed, raw, first, width):
                 return count
             t_min = beyond(distance)
         else:
+            if not lit or alone and kind & SINGULAR:
+                return count
             if flags & FOLLOW_ALL == 0 and (flags & FOLLOW_DIFFUSE == 0 or kind & SINGULAR):
                 return count
             if kind & SINGULAR:
@@ -231,7 +257,7 @@ def _trace(block, workspace, index, total, seed, raw, first, width):
             scatters += 1
             if scatters > block.max_bounces:
                 return count
-            origin, t_min = spawn_ray(workspace, surface, direction), 0.0
+            origin, t_min, reach = spawn_ray(workspace, surface, direction), 0.0, np.inf
         waits = True
 
 

@@ -68,6 +68,21 @@ def light_hits(block, number, o, d, t_max, ray_kind, hits):
 
 
 @kernel
+def leave_light(block, emitter, u1, u2, u3, u4):
+    """A ray that leaves one of Blender's lights: see ``interfaces.Light``."""
+    row = emitter_table(block)[emitter]
+    return kinds.leave(row.kind, block, row.index, u1, u2, u3, u4)
+
+
+@kernel
+def distance_to_light(block, emitter, x, d):
+    """Distance along d from x to one of Blender's lights that lights x from there; −1 if it does not, or has no
+    size."""
+    row = emitter_table(block)[emitter]
+    return kinds.hit(row.kind, block, row.index, x, d)[0]
+
+
+@kernel
 def is_lamp(block, emitter):
     """Whether the emitter is an SDF lamp; its index is then the lamp's."""
     return emitter_table(block)[emitter].kind == LAMP
