@@ -17,6 +17,7 @@ from sdf_lights.render.lights.area import AreaLight
 from sdf_lights.render.lights.point import PointLight, SpotLight
 from sdf_lights.render.lights.sun import SunLight
 from sdf_lights.render.material import Material, Node
+from sdf_lights.render.nodes.variables import BACKFACING
 from sdf_lights.render.scene import Primitive, Ray, World
 from sdf_lights.render.settings import LampPaths
 from support.blocks import means
@@ -322,6 +323,36 @@ LIGHTS = dict(
     ellipse=AreaLight("ellipse", UP, 60.0, size=(0.8, 0.4), ellipse=True, spread=1.0),
     beam=AreaLight("beam", UP, 60.0, size=(0.8, 0.4), spread=0.0),
 )
+
+
+def _panel(strength):
+    """The lamp is a panel that glows to both sides, with this strength."""
+
+    def change(scene) -> None:
+        scene.lamps.clear()
+        node = Node("emission", {"color": (1.0, 0.9, 0.8), "strength": strength})
+        add(scene, 0, translation(0.0, 1.3, 2.5) @ scaling(0.5, 0.2, 1.0), Material("glow", node))
+
+    return change
+
+
+@pytest.mark.parametrize(
+    "strength",
+    [30.0, pytest.param(30.0 * BACKFACING, marks=pytest.mark.slow)],
+    ids=["both sides", "one side"],
+)
+def test_light_paths_of_meshes_leave_the_mean(strength):
+    """As those of lights."""
+    found = [
+        np.array([picture(each, change=_panel(strength), seed=seed) for seed in range(24)])
+        for each in (WITHOUT, ALWAYS)
+    ]
+    assert not np.array_equal(*found)
+    for one, other in zip(*(means(each) for each in found)):
+        error = np.sqrt((one.var(axis=0, ddof=1) + other.var(axis=0, ddof=1)) / len(one))
+        assert np.all(np.abs(other.mean(axis=0) - one.mean(axis=0)) < 4.5 * error + 1e-9)
+    noise = [np.median(each.var(axis=0, ddof=1)) for each in found]
+    assert noise[1] < 0.7 * noise[0]
 
 
 @pytest.mark.parametrize(

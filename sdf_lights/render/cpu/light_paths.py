@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -22,7 +23,7 @@ from ..kernels.light_paths.records import (
     VERTEX,
 )
 from ..kernels.light_paths.trace import dim_unseen, find_pilots, trace_light_paths
-from ..kernels.lights.kinds import KINDS
+from ..kernels.lights.kinds import KINDS, TRIANGLE
 from ..kernels.outputs.records import LOBES
 from ..kernels.shading.material_records import (
     LOBE_ALPHA,
@@ -45,7 +46,7 @@ from ..kernels.shading.special_lobes import (
     WITH_THIN_SCATTERING,
     WITH_THIN_WALL,
 )
-from ..scene import ALL_SETS, MANY_BOUNCES, Lamp, Light, Primitive, Ray, Scene, catches_shadows
+from ..scene import ALL_SETS, MANY_BOUNCES, Instance, Lamp, Light, Primitive, Ray, Scene, catches_shadows
 from ..settings import LARGEST_BATCH, LampPaths
 from .block import PackedScene, Workspace
 
@@ -130,9 +131,19 @@ def _on_strands(scene: Scene) -> list[int]:
     ]
 
 
+def _is_everywhere(emitter: Lamp | Light | Instance) -> bool:
+    """Whether an emitter lights all, all cast its shadows, and all rays find it, after any number of bounces."""
+    return (
+        emitter.receivers == emitter.blockers == ALL_SETS
+        and emitter.max_bounces >= MANY_BOUNCES
+        and not emitter.sampled_only
+        and emitter.visibility & SCATTERED == SCATTERED
+    )
+
+
 def powers_of(scene: Scene, packed: PackedScene) -> np.ndarray:
-    """(emitters,) watts where light paths start, else 0: lamps that light all, whose shadows all cast, after any number
-    of bounces, and such lights without nodes whose kind has ``leave``."""
+    """(emitters,) watts where light paths start, else 0: lamps, emissive triangles, and lights without nodes whose kind
+    has ``leave``; of these, all that light everything."""
     emitters, lamps = packed.table("light_emitters"), packed.lamps_of(scene)
     members: list[Lamp | Light] = [*lamps, *scene.lights]
     found = np.zeros(len(emitters))
@@ -141,14 +152,13 @@ def powers_of(scene: Scene, packed: PackedScene) -> np.ndarray:
         if hasattr(module, "leave"):
             rows = emitters["kind"] == kind
             found[rows] = module.flux(packed.table(module.TABLE))[emitters["index"][rows]]
+    triangles = packed.table("light_triangles")
+    glow = np.array([_is_everywhere(instance) for instance in scene.instances] or [False])
+    found[emitters["kind"] == TRIANGLE] = (
+        np.abs(triangles["radiance"]).mean(axis=1) * 2.0 * math.pi * triangles["area"] * glow[triangles["instance"]]
+    )
     found *= (emitters["leaf"] >= 0) & (emitters["cast_shadow"] != 0)
-    found[: len(members)] *= [
-        each.receivers == each.blockers == ALL_SETS
-        and each.max_bounces >= MANY_BOUNCES
-        and not each.sampled_only
-        and each.visibility & SCATTERED == SCATTERED
-        for each in members
-    ]
+    found[: len(members)] *= [_is_everywhere(each) for each in members]
     nodes = packed.table("emissions")["graph"][1 : 1 + len(scene.lights)]
     found[len(lamps) : len(members)] *= nodes == NO_GRAPH
     return found
@@ -246,9 +256,11 @@ class LightPaths:
         scene = self._scene
         sources, materials = self._lasting["light_path_sources"], self._lasting["light_path_materials"]
         block, emitters = self._packed.block[0], self._packed.table("light_emitters")
-        shining = (emitters["leaf"] >= 0) | (emitters["infinite"] >= 0)
-        glows = (self._packed.table("materials")["flags"] & HAS_EMISSION).any()
-        alone = bool(sources[shining].all()) and not glows
+        shining = (emitters["leaf"] >= 0) | (emitters["infinite"] >= 0) | (emitters["kind"] == TRIANGLE)
+        alone = bool(sources[shining].all()) and self._packed.table("emissions")["graph"][0] == NO_GRAPH
+        emits = self._packed.table("materials")["flags"] & HAS_EMISSION != 0
+        sampled = self._packed.table("materials")["sample_emission"] != 0
+        alone = alone and not (emits & ~sampled).any() and not emits[_on_strands(scene)].any()
         follows = bool((materials[_used(scene)] & FOLLOW_ALL).all()) and not block["has_strands"]
         roulette = (MOST_ROULETTE if follows else SOME_ROULETTE) if alone else 1.0
         return {"light_path_all": alone and follows, "light_path_roulette": roulette}

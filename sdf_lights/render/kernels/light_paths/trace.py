@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Light paths: from points of lamps and lights on, by emission, with a vertex wherever a surface scatters some light
-diffusely.
+"""Light paths: from points of lamps, lights and emissive triangles on, by emission, with a vertex wherever a surface
+scatters some light diffusely.
 
 A path carries flux. A surface scatters it by the BSDF that a path from the camera would meet, so a surface is shaded
 once more for the direction that was drawn, with the light where that came from (Veach 1997, section 5.3: adjoint
@@ -24,7 +24,7 @@ from .... import emitter as lamps
 from ....emitter.lamps import lamps as lamp_table
 from ....emitter.sampling.cut_points import uniform_intensity
 from ....jit import kernel
-from ....vec import ZERO, add, average, dot, largest, length, madd, mul, negate, put, scale, sub, vec
+from ....vec import ZERO, add, average, dot, frame, largest, length, madd, mul, negate, put, scale, sub, to_world, vec
 from .. import lights
 from ..camera import camera_ray
 from ..geometry import TRIANGLES, find_surface, instance_table, surface_at, surface_table
@@ -58,7 +58,28 @@ PLACE = 1 << 20  # of a pixel that no picture has, whose numbers light paths hav
 
 
 @kernel
-def _start(block, index, total, seed):
+def _leave_triangle(block, workspace, emitter, u1, u2, u3, u4):
+    """As ``lights.leave_light``: a uniform point of an emissive triangle, whose material tells what it emits to either
+    side, and a direction by the cosine."""
+    instance, primitive, area = lights.triangle_place(block, emitter)
+    root = math.sqrt(u1)
+    side = 1.0 if u3 < 0.5 else -1.0
+    square, turn = 2.0 * u3 if u3 < 0.5 else 2.0 * u3 - 1.0, 2.0 * math.pi * u4
+    surface = surface_table(secondary_table(workspace)[0])[0]
+    corner = 1.0 - root, root * u2
+    surface_at(block, surface, instance, primitive, corner[0], corner[1], (0.0, 0.0, 1.0), DIFFUSE, 0.0)
+    ng, s = vec(surface.ng), math.sqrt(square)
+    t, b = frame(ng)
+    around = (s * math.cos(turn), s * math.sin(turn), side * math.sqrt(1.0 - square))
+    direction = to_world(around, t, b, ng)
+    surface_at(block, surface, instance, primitive, corner[0], corner[1], direction, DIFFUSE, 0.0)
+    shade(block, secondary_table(workspace)[0])
+    flux = scale(vec(surface.emission), 2.0 * math.pi * area)
+    return spawn_ray(workspace, surface, direction), direction, flux, np.inf
+
+
+@kernel
+def _start(block, workspace, index, total, seed):
     """Emitter, start, direction and flux (RGB, W) of a light path, and how far from there its light begins to be
     scattered at most. The emitter is −1 if there is no light."""
     u, powers = get_4d(index, seed, 0), power_table(block)
@@ -68,6 +89,9 @@ def _start(block, index, total, seed):
     if not power > 0.0:
         return -1, ZERO, ZERO, ZERO, 0.0
     part, v = sum_of_powers / (power * total), get_2d(index, seed, 1)
+    if lights.is_triangle(block, emitter):
+        origin, direction, flux, reach = _leave_triangle(block, workspace, emitter, u[1], u[2], v[0], v[1])
+        return emitter, origin, direction, scale(flux, part), reach
     if emitter >= block.lamp_count:
         origin, direction, flux, reach = lights.leave_light(block, emitter, u[1], u[2], v[0], v[1])
         return emitter, origin, direction, scale(flux, part), reach
@@ -83,14 +107,16 @@ def _start(block, index, total, seed):
 def _is_singular(block, emitter, position, wi):
     """Whether the light that an emitter sends to a position comes from one direction alone. Rays of a mirror do not
     find it."""
-    return emitter >= block.lamp_count and lights.sample_light(block, emitter, position, wi, 0.5, 0.5)[4]
+    if emitter < block.lamp_count or lights.is_triangle(block, emitter):
+        return False
+    return lights.sample_light(block, emitter, position, wi, 0.5, 0.5)[4]
 
 
 @kernel
 def _is_lit(block, workspace, emitter, origin, direction, position, distance):
     """Whether the light of a light path that started at ``origin`` reaches the ``position`` at this distance. A disk
     that faces the lit point begins nearer to it or farther."""
-    if emitter < block.lamp_count:
+    if emitter < block.lamp_count or lights.is_triangle(block, emitter):
         return True
     way = negate(direction)
     begins = lights.distance_to_light(block, emitter, position, way)
@@ -173,10 +199,10 @@ def _trace(block, workspace, index, total, seed, raw, first, width):
     """Follow one light path, and write its vertices into ``raw`` from ``first`` on, ``width`` at most; returns how
     many."""
     surface, secondary = surface_table(workspace)[0], secondary_table(workspace)[0]
-    emitter, origin, direction, flux, reach = _start(block, index, total, seed)
+    clear_self_primitive(ray_table(workspace)[0])
+    emitter, origin, direction, flux, reach = _start(block, workspace, index, total, seed)
     if emitter < 0:
         return 0
-    clear_self_primitive(ray_table(workspace)[0])
     count, scatters, diffuse, glossy, transmission, transparent = 0, 1, 0, 0, 0, 0
     t_min, pdf, kind, dimension, first_ones = 0.0, 0.0, 0, FIRST_SETS, 0
     instance, primitive, u, v, wi, waits = np.int64(0), np.int64(0), 0.0, 0.0, ZERO, False

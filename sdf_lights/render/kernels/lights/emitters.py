@@ -4,6 +4,8 @@
 
 import math
 
+import numpy as np
+
 from ....jit import kernel
 from ....replaced import replaced_on_gpu
 from ....vec import largest, put
@@ -168,6 +170,13 @@ def triangle_textured(block, emitter):
     """Whether the emitter is a triangle with varying radiance, which must be shaded at the sampled point."""
     row = emitter_table(block)[emitter]
     return row.kind == TRIANGLE and triangle.rows(block)[row.index].textured != 0
+
+
+@kernel
+def triangle_place(block, emitter):
+    """Instance, primitive and area (m²) of an emissive triangle."""
+    row = triangle.rows(block)[emitter_table(block)[emitter].index]
+    return np.int64(row.instance), np.int64(row.primitive), row.area
 
 
 @kernel
