@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The gain of light paths: error × time without them, over that with the automatic choice, in rooms that lamps light by
-way of walls and in scenes where they should not be used. And error × time of Cycles and of the paper's sampler over
-ours: see ``indirect_rivals``.
+"""The gain of light paths: error × time without them, over that with the automatic choice, in rooms that lamps and
+lights light by way of walls and in scenes where they should not be used. And error × time of Cycles and of the paper's
+sampler over ours: see ``indirect_rivals``.
 
 As in ``allocation``, the error is the variance of renders with different seeds, and both variants take turns. The time
 is the processor time of a whole render, with all that light paths need before the first sample.
@@ -29,7 +29,7 @@ from . import (
 from .resume import in_parts
 from .turns import in_turns, stack_of, work_of
 
-HELP = "the gain of light paths in rooms that lamps light by way of walls, and what they lose elsewhere"
+HELP = "the gain of light paths in rooms that are lit by way of walls, and what they lose elsewhere"
 
 ROOMS, LIGHTS = tuple(indirect_rooms.ROOMS), tuple(indirect_rooms.LIGHTS)
 STAGES = (*lamp_scenes.THE_FIVE, "room")
@@ -169,14 +169,17 @@ def summary_of(rows: list[dict]) -> dict:
 
 
 def document(rows: list[dict]) -> None:
-    """Write the table of docs/sampling.md."""
-    lines = [f"| scene | light paths | {' | '.join(COLUMNS.values())} |", "|---" * (len(COLUMNS) + 2) + "|"]
+    """Write these rows into the table of docs/sampling.md; the rows of other scenes stay."""
+    before, _, rest = DOCUMENT.read_text(encoding="utf-8").partition(BEGIN)
+    table, _, after = rest.partition(END)
+    lines = {line.split(" | ")[0].removeprefix("| "): line for line in table.strip().splitlines()[2:]}
     for row in rows:
         cells = (f"{row[key]:.{0 if row[key] >= 10.0 else 2}f}" if key in row else "" for key in COLUMNS)
-        lines.append(f"| {row['indirect_scene']} | {'used' if row['used'] else 'not used'} | {' | '.join(cells)} |")
-    before, _, rest = DOCUMENT.read_text(encoding="utf-8").partition(BEGIN)
-    _, _, after = rest.partition(END)
-    DOCUMENT.write_text("\n".join([before + BEGIN, *lines, END]) + after, encoding="utf-8")
+        used = "used" if row["used"] else "not used"
+        lines[row["indirect_scene"]] = f"| {row['indirect_scene']} | {used} | {' | '.join(cells)} |"
+    head = [f"| scene | light paths | {' | '.join(COLUMNS.values())} |", "|---" * (len(COLUMNS) + 2) + "|"]
+    body = [lines[name] for name in SCENES if name in lines]
+    DOCUMENT.write_text("\n".join([before + BEGIN, *head, *body, END]) + after, encoding="utf-8")
 
 
 def run(options) -> tuple[dict, list[dict]]:

@@ -69,6 +69,19 @@ def test_summary_compares_rivals_by_kind_of_scene():
     assert summary["interiors_ratio_cycles_geomean"] == summary["interiors_ratio_cycles_min"] == 0.5
 
 
+def test_rows_of_other_scenes_stay_in_the_document(tmp_path, monkeypatch):
+    copy = tmp_path / "sampling.md"
+    copy.write_text(indirect.DOCUMENT.read_text(encoding="utf-8"), encoding="utf-8")
+    monkeypatch.setattr(indirect, "DOCUMENT", copy)
+    before = copy.read_text(encoding="utf-8").splitlines()
+    indirect.document([dict(indirect_scene="sign", used=True, gain=2.5, cycles=12.0, cycles_guided=13.0)])
+    after = copy.read_text(encoding="utf-8").splitlines()
+    assert "| sign | used | 2.50 |  | 12 | 13 |" in after
+    assert [line for line in after if not line.startswith("| sign ")] == [
+        line for line in before if not line.startswith("| sign ")
+    ]
+
+
 @pytest.mark.slow
 def test_a_room_is_measured():
     parser = argparse.ArgumentParser()
