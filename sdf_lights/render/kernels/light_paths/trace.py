@@ -96,7 +96,7 @@ def _start(block, workspace, index, total, seed):
         origin, direction, flux, reach = lights.leave_light(block, emitter, u[1], u[2], v[0], v[1])
         return emitter, origin, direction, scale(flux, part), reach
     center = vec(lamp_table(block)[emitter].center)
-    offset = lamps.way_inside(block, emitter, center, u[1], u[2], u[3])
+    offset = lamps.interior_offset(block, emitter, center, u[1], u[2], u[3])
     z, around = 1.0 - 2.0 * v[0], 2.0 * math.pi * v[1]
     s = math.sqrt(max(1.0 - z * z, 0.0))
     flux = scale(uniform_intensity(block, emitter, offset), 4.0 * math.pi * part)

@@ -6,15 +6,15 @@ from .along import select_along
 from .emitters import (
     blockers,
     camera_brightness,
+    can_be_hit,
     casts_shadow,
-    competes,
     distance_to_light,
     emitter_normal,
     is_lamp,
     is_triangle,
     leave_light,
     light_hits,
-    reaches,
+    may_light,
     sample_light,
     triangle_emitter,
     triangle_pdf,
@@ -25,7 +25,7 @@ from .emitters import (
     world_emitter,
 )
 from .environment import pdf_in_cycles, world_pdf, world_radiance
-from .linking import emission_lights_up, lights_up, open_tree, shadow_bits, tree_of
+from .linking import emission_is_linked, is_in_light_tree, open_tree, shadow_bits, tree_of
 from .pack import TABLES, hit_capacity, pack_lights, pack_near
 from .records import HIT, WORKSPACE_COUNTS, WORKSPACE_TABLES, light_cut_table
 from .tree import irradiance, select, selection_probability
@@ -42,9 +42,9 @@ __all__ = [
     "blockers",
     "camera_brightness",
     "casts_shadow",
-    "competes",
+    "can_be_hit",
     "distance_to_light",
-    "emission_lights_up",
+    "emission_is_linked",
     "emitter_normal",
     "hit_capacity",
     "irradiance",
@@ -53,12 +53,12 @@ __all__ = [
     "leave_light",
     "light_cut_table",
     "light_hits",
-    "lights_up",
+    "is_in_light_tree",
     "open_tree",
     "pack_lights",
     "pack_near",
     "pdf_in_cycles",
-    "reaches",
+    "may_light",
     "sample_light",
     "select",
     "select_along",
