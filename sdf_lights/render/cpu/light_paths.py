@@ -53,7 +53,7 @@ from .block import PackedScene, Workspace
 # Samples of pixels for each light path of a pass, which takes about 2 % of the time of these samples; pixels for each
 # light path of the tree. The tree does not depend on the number of samples, so ranges of samples have the tree of the
 # whole.
-SHARED, TREE_SHARED = 16, 2
+SHARED, TREE_SHARED = 16, 8
 MOST_PATHS, MOST_TREE_PATHS = 16384, 8192
 PILOT_NUMBER = 1 << 30  # of light paths: beyond those of samples
 MOST_VERTICES = 32  # of a path
