@@ -348,9 +348,9 @@ def test_light_paths_of_meshes_leave_the_mean(strength):
         for each in (WITHOUT, ALWAYS)
     ]
     assert not np.array_equal(*found)
-    for one, other in zip(*(means(each) for each in found)):
-        error = np.sqrt((one.var(axis=0, ddof=1) + other.var(axis=0, ddof=1)) / len(one))
-        assert np.all(np.abs(other.mean(axis=0) - one.mean(axis=0)) < 4.5 * error + 1e-9)
+    one, other = (means(each)[1] for each in found)
+    error = np.sqrt((one.var(axis=0, ddof=1) + other.var(axis=0, ddof=1)) / len(one))
+    assert np.all(np.abs(other.mean(axis=0) - one.mean(axis=0)) < 4.5 * error)
     noise = [np.median(each.var(axis=0, ddof=1)) for each in found]
     assert noise[1] < 0.7 * noise[0]
 
@@ -359,16 +359,17 @@ def test_light_paths_of_meshes_leave_the_mean(strength):
     "light", [name if name in ("point", "area") else pytest.param(name, marks=pytest.mark.slow) for name in LIGHTS]
 )
 def test_light_paths_of_lights_leave_the_mean(light):
-    """Means of the whole and of blocks over 24 renders each agree within 4.5 standard errors: by chance, one set of
-    seeds in a hundred would not. There is glass before the light, which rays pass by chance and light rays do not."""
+    """Means of the whole over 24 renders each agree within 4.5 standard errors: by chance, one set of seeds in ten
+    thousand would not. Without light paths, many blocks get no light in any of so few samples, so they say nothing.
+    There is glass before the light, which rays pass by chance and light rays do not."""
     found = [
         np.array([picture(each, change=_only(LIGHTS[light]), seed=seed) for seed in range(24)])
         for each in (WITHOUT, ALWAYS)
     ]
     assert not np.array_equal(*found)
-    for one, other in zip(*(means(each) for each in found)):
-        error = np.sqrt((one.var(axis=0, ddof=1) + other.var(axis=0, ddof=1)) / len(one))
-        assert np.all(np.abs(other.mean(axis=0) - one.mean(axis=0)) < 4.5 * error + 1e-9)
+    one, other = (means(each)[1] for each in found)
+    error = np.sqrt((one.var(axis=0, ddof=1) + other.var(axis=0, ddof=1)) / len(one))
+    assert np.all(np.abs(other.mean(axis=0) - one.mean(axis=0)) < 4.5 * error)
 
 
 @pytest.mark.parametrize("change", [_lamp(visibility=Ray.ALL & ~Ray.CAMERA), _object(visibility=Ray.CAMERA)])
