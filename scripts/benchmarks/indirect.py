@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The gain of light paths: error × time without them, over that with the automatic choice, in rooms that lamps light by
-way of walls and in scenes where they should not be used. And error × time of Cycles and of the paper's sampler over
-ours: see ``indirect_rivals``.
+"""The gain of light paths: error × time without them, over that with the automatic choice, in rooms that lamps and
+lights light by way of walls and in scenes where they should not be used. And error × time of Cycles and of the paper's
+sampler over ours: see ``indirect_rivals``.
 
 As in ``allocation``, the error is the variance of renders with different seeds, and both variants take turns. The time
 is the processor time of a whole render, with all that light paths need before the first sample.
@@ -29,14 +29,14 @@ from . import (
 from .resume import in_parts
 from .turns import in_turns, stack_of, work_of
 
-HELP = "the gain of light paths in rooms that lamps light by way of walls, and what they lose elsewhere"
+HELP = "the gain of light paths in rooms that are lit by way of walls, and what they lose elsewhere"
 
-ROOMS = tuple(indirect_rooms.ROOMS)
+ROOMS, LIGHTS = tuple(indirect_rooms.ROOMS), tuple(indirect_rooms.LIGHTS)
 STAGES = (*lamp_scenes.THE_FIVE, "room")
 INTERIORS = indirect_rivals.INTERIORS
 ORDINARY = (*INTERIORS, "street")
-SCENES = (*ROOMS, *STAGES, *ORDINARY)
-QUICK = (*ROOMS, *lamp_scenes.THE_FIVE, *INTERIORS)
+SCENES = (*ROOMS, *LIGHTS, *STAGES, *ORDINARY)
+QUICK = (*ROOMS, *LIGHTS, *lamp_scenes.THE_FIVE, *INTERIORS)
 BOUNCES = 4  # of scenes of lamps
 SIZE, QUICK_SIZE = 128, 64
 SAMPLES, QUICK_SAMPLES = 32, 16
@@ -74,7 +74,7 @@ def _render(name: str, scene, variant: str, samples: int, seed: int, device: str
 def measure(name: str, options) -> dict:
     """The row of a scene."""
     build = indirect_rivals.build_interior if name in INTERIORS else allocation.build
-    scene = (indirect_rooms.build if name in ROOMS else build)(name, QUICK_SIZE if options.quick else SIZE)
+    scene = (indirect_rooms.build if name in (*ROOMS, *LIGHTS) else build)(name, QUICK_SIZE if options.quick else SIZE)
     samples = QUICK_SAMPLES if options.quick else SAMPLES
     seeds = max(options.repeats or (QUICK_SEEDS if options.quick else SEEDS), 2)
     for variant in (WITHOUT, AUTOMATIC):
@@ -100,6 +100,8 @@ def _rivals(name: str, device: str) -> dict[str, indirect_rivals.Rival]:
             cycles=indirect_rivals.by_cycles(BOUNCES, surfaces=True),
             cycles_guided=indirect_rivals.by_cycles(BOUNCES, surfaces=True, guiding=True),
         )
+    if name in LIGHTS:
+        return dict(cycles=indirect_rivals.by_cycles(BOUNCES))
     if name in lamp_scenes.THE_FIVE:
         return dict(cycles=indirect_rivals.by_cycles(BOUNCES), paper=indirect_rivals.by_paper(BOUNCES, device))
     return dict(cycles=indirect_rivals.by_cycles_defaults(device)) if name in INTERIORS else {}
@@ -138,8 +140,9 @@ def row_of(stacks: dict[str, np.ndarray], work: dict[str, float]) -> dict:
 
 
 def summary_of(rows: list[dict]) -> dict:
-    """``rooms_gain_min`` and ``…_geomean``: of rooms. ``loss_max``: the greatest error × time with the automatic choice
-    over that without light paths, of all scenes. ``used_elsewhere``: in how many other scenes light paths are used.
+    """``rooms_gain_min`` and ``…_geomean``: of rooms with lamps. ``lights_gain_min``: of those that other lights light
+    by way of walls. ``loss_max``: the greatest error × time with the automatic choice over that without light paths, of
+    all scenes. ``used_elsewhere``: in how many other scenes light paths are used.
 
     Error × time over ours: ``mse_ratio_cycles_bounces_…`` of Cycles' emission volumes and ``mse_ratio_paper_bounces_…``
     of the paper's sampler in S1 to S5, ``rooms_ratio_cycles_min`` of Cycles' mesh lights in rooms, the better one of
@@ -147,9 +150,12 @@ def summary_of(rows: list[dict]) -> dict:
     """
     rooms = [row["gain"] for row in rows if row["indirect_scene"] in ROOMS]
     summary = dict(loss_max=max(1.0 / row["gain"] for row in rows))
-    summary["used_elsewhere"] = sum(row["used"] for row in rows if row["indirect_scene"] not in ROOMS)
+    summary["used_elsewhere"] = sum(row["used"] for row in rows if row["indirect_scene"] not in (*ROOMS, *LIGHTS))
     if rooms:
         summary |= dict(rooms_gain_min=min(rooms), rooms_gain_geomean=statistics.geometric_mean(rooms))
+    lights = [row["gain"] for row in rows if row["indirect_scene"] in LIGHTS]
+    if lights:
+        summary["lights_gain_min"] = min(lights)
     for title, names, key in (
         ("mse_ratio_cycles_bounces", lamp_scenes.THE_FIVE, "cycles"),
         ("mse_ratio_paper_bounces", lamp_scenes.THE_FIVE, "paper"),
@@ -163,14 +169,17 @@ def summary_of(rows: list[dict]) -> dict:
 
 
 def document(rows: list[dict]) -> None:
-    """Write the table of docs/sampling.md."""
-    lines = [f"| scene | light paths | {' | '.join(COLUMNS.values())} |", "|---" * (len(COLUMNS) + 2) + "|"]
+    """Write these rows into the table of docs/sampling.md; the rows of other scenes stay."""
+    before, _, rest = DOCUMENT.read_text(encoding="utf-8").partition(BEGIN)
+    table, _, after = rest.partition(END)
+    lines = {line.split(" | ")[0].removeprefix("| "): line for line in table.strip().splitlines()[2:]}
     for row in rows:
         cells = (f"{row[key]:.{0 if row[key] >= 10.0 else 2}f}" if key in row else "" for key in COLUMNS)
-        lines.append(f"| {row['indirect_scene']} | {'used' if row['used'] else 'not used'} | {' | '.join(cells)} |")
-    before, _, rest = DOCUMENT.read_text(encoding="utf-8").partition(BEGIN)
-    _, _, after = rest.partition(END)
-    DOCUMENT.write_text("\n".join([before + BEGIN, *lines, END]) + after, encoding="utf-8")
+        used = "used" if row["used"] else "not used"
+        lines[row["indirect_scene"]] = f"| {row['indirect_scene']} | {used} | {' | '.join(cells)} |"
+    head = [f"| scene | light paths | {' | '.join(COLUMNS.values())} |", "|---" * (len(COLUMNS) + 2) + "|"]
+    body = [lines[name] for name in SCENES if name in lines]
+    DOCUMENT.write_text("\n".join([before + BEGIN, *head, *body, END]) + after, encoding="utf-8")
 
 
 def run(options) -> tuple[dict, list[dict]]:

@@ -38,11 +38,16 @@ def _room(size: int, extent=SIZE) -> None:
     _slab("Foot", (0.1, 0.1, 0.7), (-0.6, 0.6, 0.35), _paint("Iron", (0.2, 0.2, 0.2)), 20.0)
 
 
-def _cove(size: int) -> None:
+def _ledge(size: int) -> None:
+    """A room with a ledge under the ceiling, to hide a light."""
     _room(size)
     white = _paint("Plaster", (0.8, 0.8, 0.8))
     _slab("Ledge", (4.0, 0.25, 0.03), (0.0, 2.375, 2.2), white)
     _slab("Lip", (4.0, 0.03, 0.12), (0.0, 2.25, 2.26), white)
+
+
+def _cove(size: int) -> None:
+    _ledge(size)
     add_lamp(
         "Tube",
         "box(1.8, 0.015, 0.015)",
@@ -74,13 +79,18 @@ def _sign(size: int) -> None:
         add_lamp(f"Stroke {number}", "capsule(0.2, 0.012)", stroke, matrix, INTENSITY / 0.0009, (1.0, 0.2, 0.4))
 
 
-def _door(size: int) -> None:
+def _half_open(size: int) -> None:
+    """A room with a half-open door to another one."""
     _room(size)
     wall = _paint("Partition")
     _slab("Left", (2.6, 0.08, 2.6), (-0.7, 1.5, 1.3), wall)
     _slab("Right", (0.5, 0.08, 2.6), (1.75, 1.5, 1.3), wall)
     _slab("Above", (0.9, 0.08, 0.6), (1.05, 1.5, 2.3), wall)
     _slab("Door", (0.9, 0.04, 2.0), (0.82, 1.87, 1.0), _paint("Door", (0.6, 0.6, 0.65)), 120.0)
+
+
+def _door(size: int) -> None:
+    _half_open(size)
     add_lamp(
         "Lamp",
         "torus(0.15, 0.03)",
@@ -101,11 +111,38 @@ def _corridor(size: int) -> None:
         add_lamp(f"Lamp {number}", "sphere(0.04)", lamp_meshes.sphere(0.04, 32, 16), at, 0.2 * INTENSITY / 0.000268)
 
 
+def _add_light(kind: str, at, power: float, turn: float = 0.0, **settings) -> None:
+    """One of Blender's lights; at first it points down."""
+    light = bpy.data.lights.new("Light", kind)
+    light.energy = power
+    for name, value in settings.items():
+        setattr(light, name, value)
+    thing = bpy.data.objects.new("Light", light)
+    thing.matrix_world = turned(x=turn, at=at)
+    bpy.context.scene.collection.objects.link(thing)
+
+
+def _cove_area(size: int) -> None:
+    _ledge(size)
+    _add_light("AREA", (0.0, 2.37, 2.25), 60.0, 180.0, shape="RECTANGLE", size=3.6, size_y=0.05)
+
+
+def _door_point(size: int) -> None:
+    _half_open(size)
+    _add_light("POINT", (-1.2, 2.0, 1.8), 100.0, shadow_soft_size=0.1)
+
+
+def _spot_on_wall(size: int) -> None:
+    _room(size)
+    _add_light("SPOT", (0.0, 1.5, 1.5), 200.0, 110.0, spot_size=math.radians(80.0), shadow_soft_size=0.05)
+
+
 ROOMS = dict(cove=_cove, shade=_shade, sign=_sign, door=_door, corridor=_corridor)
+LIGHTS = dict(cove_area=_cove_area, door_point=_door_point, spot_on_wall=_spot_on_wall)  # rooms without SDF lamps
 
 
 def build(name: str, size: int) -> bpy.types.Scene:
     """A room of that name, of ``size`` pixels to each side."""
-    ROOMS[name](size)
+    (ROOMS | LIGHTS)[name](size)
     show()
     return bpy.context.scene

@@ -66,6 +66,11 @@ class Light(Protocol):
 
     ``normal(light, back)`` is optional: the unit normal of its surface, if that is not ``back``, the direction to the
     viewer.
+
+    So are ``leave(light, u1, u2, u3, u4)`` and ``flux(rows)``, without which no light paths start there. ``leave`` is a
+    ray that leaves the light, as ``SampleLe`` in pbrt: (origin, direction, flux, reach). The flux (RGB, W) is what the
+    ray stands for, if it is the only one. It counts where the ray first meets a surface, up to the distance ``reach``.
+    ``flux`` is the mean of RGB that each of the ``rows`` emits, about (n,).
     """
 
     def has_size(self, light):

@@ -32,13 +32,20 @@ def test_equal_pictures_lose_time_alone():
 def test_summary_has_the_least_room_and_the_greatest_loss():
     rows = [
         dict(indirect_scene=scene, gain=gain, used=used)
-        for scene, gain, used in (("cove", 8.0, True), ("door", 2.0, True), ("S4", 0.8, False), ("street", 1.0, True))
+        for scene, gain, used in (
+            ("cove", 8.0, True),
+            ("door", 2.0, True),
+            ("cove_area", 3.0, True),
+            ("S4", 0.8, False),
+            ("street", 1.0, True),
+        )
     ]
     assert indirect.summary_of(rows) == {
         "loss_max": pytest.approx(1.25),
         "used_elsewhere": 1,
         "rooms_gain_min": 2.0,
         "rooms_gain_geomean": pytest.approx(4.0),
+        "lights_gain_min": 3.0,
     }
 
 
@@ -60,6 +67,19 @@ def test_summary_compares_rivals_by_kind_of_scene():
     assert summary["mse_ratio_paper_bounces_geomean"] == pytest.approx(4.0)
     assert summary["rooms_ratio_cycles_min"] == 30.0
     assert summary["interiors_ratio_cycles_geomean"] == summary["interiors_ratio_cycles_min"] == 0.5
+
+
+def test_rows_of_other_scenes_stay_in_the_document(tmp_path, monkeypatch):
+    copy = tmp_path / "sampling.md"
+    copy.write_text(indirect.DOCUMENT.read_text(encoding="utf-8"), encoding="utf-8")
+    monkeypatch.setattr(indirect, "DOCUMENT", copy)
+    before = copy.read_text(encoding="utf-8").splitlines()
+    indirect.document([dict(indirect_scene="sign", used=True, gain=2.5, cycles=12.0, cycles_guided=13.0)])
+    after = copy.read_text(encoding="utf-8").splitlines()
+    assert "| sign | used | 2.50 |  | 12 | 13 |" in after
+    assert [line for line in after if not line.startswith("| sign ")] == [
+        line for line in before if not line.startswith("| sign ")
+    ]
 
 
 @pytest.mark.slow

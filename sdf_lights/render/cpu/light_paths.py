@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -22,9 +23,19 @@ from ..kernels.light_paths.records import (
     VERTEX,
 )
 from ..kernels.light_paths.trace import dim_unseen, find_pilots, trace_light_paths
+from ..kernels.lights.kinds import KINDS, TRIANGLE
 from ..kernels.outputs.records import LOBES
-from ..kernels.shading.material_records import LOBE_ALPHA, LOBE_DIFFUSE, LOBE_PRINCIPLED, LOBE_TRANSLUCENT
-from ..kernels.shading.records import GLOSSY, HAS_TRANSPARENCY, STOPS_LIGHT_RAYS, TRANSMISSION
+from ..kernels.shading.material_records import (
+    LOBE_ALPHA,
+    LOBE_DIFFUSE,
+    LOBE_GLASS,
+    LOBE_GLOSSY,
+    LOBE_PRINCIPLED,
+    LOBE_REFRACTION,
+    LOBE_TRANSLUCENT,
+    NO_GRAPH,
+)
+from ..kernels.shading.records import GLOSSY, HAS_EMISSION, HAS_TRANSPARENCY, STOPS_LIGHT_RAYS, TRANSMISSION
 from ..kernels.shading.special_lobes import (
     LOBE_SHEEN,
     LOBE_SUBSURFACE,
@@ -35,14 +46,14 @@ from ..kernels.shading.special_lobes import (
     WITH_THIN_SCATTERING,
     WITH_THIN_WALL,
 )
-from ..scene import ALL_SETS, MANY_BOUNCES, Primitive, Ray, Scene, catches_shadows
+from ..scene import ALL_SETS, MANY_BOUNCES, Instance, Lamp, Light, Primitive, Ray, Scene, catches_shadows
 from ..settings import LARGEST_BATCH, LampPaths
 from .block import PackedScene, Workspace
 
 # Samples of pixels for each light path of a pass, which takes about 2 % of the time of these samples; pixels for each
 # light path of the tree. The tree does not depend on the number of samples, so ranges of samples have the tree of the
 # whole.
-SHARED, TREE_SHARED = 16, 2
+SHARED, TREE_SHARED = 16, 8
 MOST_PATHS, MOST_TREE_PATHS = 16384, 8192
 PILOT_NUMBER = 1 << 30  # of light paths: beyond those of samples
 MOST_VERTICES = 32  # of a path
@@ -53,6 +64,10 @@ CHUNK = 256  # paths that a thread takes at once
 # some light does that light paths cannot follow, whose noise grows with it.
 MOST_ROULETTE, SOME_ROULETTE = 0.02, 0.3
 SIMPLE_LOBES = (*range(LOBE_ALPHA + 1), LOBE_SHEEN, LOBE_VELVET)
+UNBLURRED_LOBES = tuple(
+    set(SIMPLE_LOBES) - {LOBE_GLOSSY, LOBE_GLASS, LOBE_REFRACTION, LOBE_PRINCIPLED}
+)  # by Filter Glossy
+LEAST_FILTER = 1.0  # limit of Filter Glossy: well above 1/π, the greatest density of diffuse scattering
 END_OF_KNOWN, THIN = LOBE_SUBSURFACE + 1, WITH_THIN_WALL | WITH_THIN_SCATTERING
 
 SCATTERED = Ray.DIFFUSE | Ray.GLOSSY | Ray.TRANSMISSION | Ray.SHADOW
@@ -60,14 +75,13 @@ BY_PATH = {"ray_kind", "ray_length", "ray_singular", "depth"}  # what a material
 
 
 def can_connect(scene: Scene, packed: PackedScene) -> bool:
-    """Whether connections may take light from paths, and whether that is asked for, if ``sources_of`` and
+    """Whether connections may take light from paths, and whether that is asked for, if ``powers_of`` and
     ``materials_of`` allow it: see ``tables_of``.
 
-    - There are lamps from which light paths start: see ``sources_of``. What other lights, the world and surfaces emit
-      is left to paths, and so is what light paths cannot follow: see ``materials_of``.
+    - There are lamps or lights from which light paths start: see ``powers_of``. What others, the world and surfaces
+      emit is left to paths, and so is what light paths cannot follow: see ``materials_of``.
     - Each object is met by all kinds of rays but the camera's or by none, as a light path does not know yet what kind
-      of ray it is seen by. For the same reason no material asks for the ray that meets it, no caustics are off, and no
-      glossy filter is on.
+      of ray it is seen by. For the same reason no material asks for the ray that meets it, no caustics are off.
     - Nothing moves, scatters in a volume or catches shadows, and strands are opaque. What is transparent is so to light
       rays, too.
     - No pass wants light by the lobe that scattered it first: what connections take from a ray is of diffuse lobes
@@ -89,7 +103,6 @@ def can_connect(scene: Scene, packed: PackedScene) -> bool:
         and not packed.moves
         and not catches_shadows(scene)
         and not block["outputs"] & LOBES
-        and settings.filter_glossy == 0.0
         and block["caustics"] == GLOSSY | TRANSMISSION
         and not (packed.table("lobes")["features"] & ONCE).any()
         and not (packed.table("materials")["flags"][_on_strands(scene)] & HAS_TRANSPARENCY).any()
@@ -106,10 +119,14 @@ def tables_of(scene: Scene, packed: PackedScene) -> dict[str, np.ndarray] | None
     """The tables of a scene's light paths that all of them share; None if they cannot be used, or should not."""
     if not can_connect(scene, packed):
         return None
-    sources, materials = sources_of(scene, packed), materials_of(packed)
-    if not (sources.any() and materials[_used(scene)].all()):
+    powers, materials = powers_of(scene, packed), materials_of(packed)
+    if not (powers.any() and materials[_used(scene)].all()):
         return None
-    return {"light_path_materials": materials, "light_path_sources": sources}
+    return {
+        "light_path_materials": materials,
+        "light_path_sources": (powers > 0.0).astype(np.int64),
+        "light_path_power": np.cumsum(powers),
+    }
 
 
 def _used(scene: Scene) -> list[int]:
@@ -127,18 +144,36 @@ def _on_strands(scene: Scene) -> list[int]:
     ]
 
 
-def sources_of(scene: Scene, packed: PackedScene) -> np.ndarray:
-    """(emitters,) 1 where light paths start: lamps that light all, whose shadows all cast, after any number of
-    bounces."""
-    found = np.zeros(len(packed.table("light_emitters")), np.int64)
-    count = packed.block[0]["lamp_count"]
-    found[:count] = [
-        lamp.receivers == lamp.blockers == ALL_SETS
-        and lamp.max_bounces >= MANY_BOUNCES
-        and not lamp.sampled_only
-        and lamp.visibility & SCATTERED == SCATTERED
-        for lamp in packed.lamps_of(scene)
-    ]
+def _is_everywhere(emitter: Lamp | Light | Instance) -> bool:
+    """Whether an emitter lights all, all cast its shadows, and all rays find it, after any number of bounces."""
+    return (
+        emitter.receivers == emitter.blockers == ALL_SETS
+        and emitter.max_bounces >= MANY_BOUNCES
+        and not emitter.sampled_only
+        and emitter.visibility & SCATTERED == SCATTERED
+    )
+
+
+def powers_of(scene: Scene, packed: PackedScene) -> np.ndarray:
+    """(emitters,) watts where light paths start, else 0: lamps, emissive triangles, and lights without nodes whose kind
+    has ``leave``; of these, all that light everything."""
+    emitters, lamps = packed.table("light_emitters"), packed.lamps_of(scene)
+    members: list[Lamp | Light] = [*lamps, *scene.lights]
+    found = np.zeros(len(emitters))
+    found[: len(lamps)] = packed.table("lamps")["power"][: len(lamps)]
+    for kind, module in KINDS.items():
+        if hasattr(module, "leave"):
+            rows = emitters["kind"] == kind
+            found[rows] = module.flux(packed.table(module.TABLE))[emitters["index"][rows]]
+    triangles = packed.table("light_triangles")
+    glow = np.array([_is_everywhere(instance) for instance in scene.instances] or [False])
+    found[emitters["kind"] == TRIANGLE] = (
+        np.abs(triangles["radiance"]).mean(axis=1) * 2.0 * math.pi * triangles["area"] * glow[triangles["instance"]]
+    )
+    found *= (emitters["leaf"] >= 0) & (emitters["cast_shadow"] != 0)
+    found[: len(members)] *= [_is_everywhere(each) for each in members]
+    nodes = packed.table("emissions")["graph"][1 : 1 + len(scene.lights)]
+    found[len(lamps) : len(members)] *= nodes == NO_GRAPH
     return found
 
 
@@ -154,15 +189,18 @@ def materials_of(packed: PackedScene) -> np.ndarray:
     - Light that a material passes on diffusely is not connected: of which side of it a light path comes, a path from
       the camera does not know.
     - Light paths follow no closure that may be sharp but a mirror's or glass's, and none that they do not know.
+    - Filter Glossy blurs lobes by all of the path from the camera, of which a light path knows only what is usual. From
+      the limit ``LEAST_FILTER`` on, this hardly matters. Below, light paths follow no lobes.
     """
-    table = packed.table("lobes")
+    table, filtered = packed.table("lobes"), packed.block[0]["filter_glossy"]
+    followed = SIMPLE_LOBES if filtered == 0.0 or filtered >= LEAST_FILTER else UNBLURRED_LOBES
     found = []
     for first, end in packed.table("materials")["lobes"]:
         kinds, features = table["kind"][first:end], table["features"][first:end]
         if (kinds >= END_OF_KNOWN).any() or (features[kinds == LOBE_PRINCIPLED] & THIN).any():
             found.append(0)
             continue
-        simple = np.isin(kinds, SIMPLE_LOBES).all() and not (features & (WITH_FACETS | WITH_SUBSURFACE)).any()
+        simple = np.isin(kinds, followed).all() and not (features & (WITH_FACETS | WITH_SUBSURFACE)).any()
         found.append(
             CONNECTS * int(LOBE_TRANSLUCENT not in kinds)
             | ONLY_DIFFUSE * int((kinds == LOBE_DIFFUSE).all())
@@ -225,8 +263,12 @@ class LightPaths:
         """The scalars of ``light_paths.records``: how much a path from the camera may count on light paths."""
         scene = self._scene
         sources, materials = self._lasting["light_path_sources"], self._lasting["light_path_materials"]
-        block, lamps = self._packed.block[0], int(self._packed.block[0]["lamp_count"])
-        alone = bool(sources[:lamps].all()) and not scene.lights and not block["emitters_hit"]
+        block, emitters = self._packed.block[0], self._packed.table("light_emitters")
+        shining = (emitters["leaf"] >= 0) | (emitters["infinite"] >= 0) | (emitters["kind"] == TRIANGLE)
+        alone = bool(sources[shining].all()) and self._packed.table("emissions")["graph"][0] == NO_GRAPH
+        emits = self._packed.table("materials")["flags"] & HAS_EMISSION != 0
+        sampled = self._packed.table("materials")["sample_emission"] != 0
+        alone = alone and not (emits & ~sampled).any() and not emits[_on_strands(scene)].any()
         follows = bool((materials[_used(scene)] & FOLLOW_ALL).all()) and not block["has_strands"]
         roulette = (MOST_ROULETTE if follows else SOME_ROULETTE) if alone else 1.0
         return {"light_path_all": alone and follows, "light_path_roulette": roulette}

@@ -20,7 +20,16 @@ from .media import dispatch as media
 from .media.beams import attenuation
 from .media.records import inside_table
 from .next_event import bsdf_mis_pdf, lamp_pdf, mis_applies, restore_lamp_cut, selection_normal
-from .path import CAMERA, EMISSION_SET, contribute, of_instance, path_table, show_environment, subtract_alpha
+from .path import (
+    CAMERA,
+    EMISSION_SET,
+    contribute,
+    leave_connected,
+    of_instance,
+    path_table,
+    show_environment,
+    subtract_alpha,
+)
 from .samplers import get_1d
 from .workspace import cut_of, hit_table, light_cut_of, spans_of
 
@@ -209,9 +218,11 @@ def gather_surface(block, workspace):
     if _nothing(radiance) or not lights.emission_is_linked(block, path.light_tree, surface.instance):
         return
     weight = 1.0
-    if path.pdf > 0.0:
+    if path.pdf > 0.0 or block.light_paths:
         emitter = lights.triangle_emitter(block, surface.instance, surface.primitive)
         if emitter >= 0:
-            pdf = lights.triangle_pdf(block, vec(path.origin), emitter, vec(path.direction), path.length)
-            weight = _mis(block, workspace, emitter, pdf)
+            radiance = leave_connected(block, path, radiance, emitter)
+            if path.pdf > 0.0:
+                pdf = lights.triangle_pdf(block, vec(path.origin), emitter, vec(path.direction), path.length)
+                weight = _mis(block, workspace, emitter, pdf)
     contribute(block, workspace, radiance, weight, of_instance(surface.instance), path.bounce)

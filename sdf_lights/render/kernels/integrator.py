@@ -374,8 +374,7 @@ def shade_and_scatter(block, workspace, whole):
         subsurface.emerge(block, workspace)
     if path.kind == DIFFUSE and block.caustics != GLOSSY | TRANSMISSION:
         darken_microfacets(workspace, block.caustics)
-    if path.least_pdf < block.filter_glossy:
-        blur_lobes(workspace, path.least_pdf / block.filter_glossy)
+    blur_lobes(block, workspace, path.least_pdf)
     sample.met += sample.divided
     if not exits:
         gather_surface(block, workspace)

@@ -155,6 +155,14 @@ def of_instance(instance):
 
 
 @kernel
+def leave_connected(block, path, value, emitter):
+    """What connections to light paths leave of the light of an emitter that a path finds."""
+    if block.light_paths and path.connects == BEYOND and light_path_sources(block)[emitter]:
+        return mul(value, sub(WHITE, vec(path.connection_weight)))
+    return value
+
+
+@kernel
 def contribute(block, workspace, radiance, factor, source, scatters):
     """Add ``throughput × radiance × factor`` to the sample.
 
@@ -164,8 +172,8 @@ def contribute(block, workspace, radiance, factor, source, scatters):
     path = path_table(workspace)[0]
     sample = sample_table(workspace)[0]
     value = scale(mul(vec(path.throughput), radiance), factor)
-    if block.light_paths and path.connects == BEYOND and source >= 0 and light_path_sources(block)[source]:
-        value = mul(value, sub(WHITE, vec(path.connection_weight)))
+    if source >= 0:
+        value = leave_connected(block, path, value, source)
     limit = block.clamp_indirect if scatters > 1 else block.clamp_direct
     if limit > 0.0:
         brightness = value[0] + value[1] + value[2]

@@ -61,6 +61,12 @@ class Packed:
         _hits(self.blocks, emitter, tuple(map(float, x)), np.ascontiguousarray(d), t_max, kind, rows, out)
         return out[:, 0], out[:, 1:4], out[:, 4]
 
+    def leave(self, emitter, u):
+        """(origin, direction, flux, reach) of the rays that leave a light; u (n, 4)."""
+        out = np.zeros((len(u), 10))
+        _leave(self.blocks, emitter, u, out)
+        return out[:, :3], out[:, 3:6], out[:, 6:9], out[:, 9]
+
     def select(self, x, n, u):
         """(emitter, probability, remapped u) as arrays."""
         out = np.empty((len(u), 3))
@@ -109,6 +115,14 @@ def _hits(blocks, emitter, x, d, t_max, kind, rows, out):
             if rows[j].emitter == emitter:
                 out[i, 0], out[i, 4] = rows[j].distance, rows[j].pdf
                 out[i, 1], out[i, 2], out[i, 3] = rows[j].radiance[0], rows[j].radiance[1], rows[j].radiance[2]
+
+
+@kernel
+def _leave(blocks, emitter, u, out):
+    for i in range(len(u)):
+        o, d, flux, out[i, 9] = lights.leave_light(blocks[0], emitter, u[i, 0], u[i, 1], u[i, 2], u[i, 3])
+        for axis in range(3):
+            out[i, axis], out[i, 3 + axis], out[i, 6 + axis] = o[axis], d[axis], flux[axis]
 
 
 @kernel

@@ -28,6 +28,7 @@ from ..ray_origins import spawn_ray
 from ..rays import hit_instance, hit_normal, ray_table
 from ..samplers import get_1d, get_2d
 from ..shading import evaluate, shade
+from ..shading.caustics import blur_lobes
 from ..shading.records import DIFFUSE, GLOSSY, MICROFACET, TRANSMISSION, closure_table, surface_table
 from ..visibility import shadow_ray, transmittance
 from ..workspace import secondary_table
@@ -126,6 +127,7 @@ def _connect_with(block, workspace, x, n, vertex, factor, kinds):
         footprint,
     )
     shade(block, secondary)
+    blur_lobes(block, secondary, min(path.least_pdf, density))
     scattered, density_there, glossy_there = evaluate(block, secondary, vec(vertex.wi), DIFFUSE)
     value = mul(mul(value, scattered), vec(vertex.flux))
     if average(value) <= 0.0:

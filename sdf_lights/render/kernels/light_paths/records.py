@@ -67,6 +67,9 @@ TABLES = {
     "light_path_vertices": VERTEX,
     "light_path_materials": np.dtype(np.int64),  # sums of CONNECTS, …
     "light_path_sources": np.dtype(np.int64),  # of each emitter: 1 if light paths start there
+    "light_path_power": np.dtype(
+        np.float64
+    ),  # of each emitter and those before it (W), as far as light paths start there
     "light_path_code": np.dtype(np.int64),
 }
 SCALARS = [
@@ -81,5 +84,6 @@ node_table = table("light_path_nodes", NODE)
 top_table = table("light_path_tops", np.int64)
 material_table = table("light_path_materials", np.int64)
 source_table = table("light_path_sources", np.int64)
+power_table = table("light_path_power", np.float64)
 vertex_table = table("light_path_vertices", VERTEX)
 choice_table = table("light_path_choice", CHOICE)

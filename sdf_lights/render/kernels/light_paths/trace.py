@@ -1,12 +1,17 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Light paths: from points of lamps on, by emission, with a vertex wherever a surface scatters some light diffusely.
+"""Light paths: from points of lamps, lights and emissive triangles on, by emission, with a vertex wherever a surface
+scatters some light diffusely.
 
 A path carries flux. A surface scatters it by the BSDF that a path from the camera would meet, so a surface is shaded
 once more for the direction that was drawn, with the light where that came from (Veach 1997, section 5.3: adjoint
 BSDFs). With E = f · |cos| of the way back,
 
     flux' = flux · E(ω', ω) |ng · ω'| / (|ng · ω| p(ω')).
+
+Filter Glossy blurs lobes by the least density with which the path from the camera was scattered before. A light path
+does not know that path yet. It has been scattered diffusely at both ends of a connection at least, by the densities
+cosine / π. So lobes are blurred by the mean of the lesser one, which is ``_expected_density``.
 """
 
 from __future__ import annotations
@@ -19,13 +24,15 @@ from .... import emitter as lamps
 from ....emitter.lamps import lamps as lamp_table
 from ....emitter.sampling.cut_points import uniform_intensity
 from ....jit import kernel
-from ....vec import ZERO, add, average, dot, largest, length, madd, mul, negate, put, scale, sub, vec
+from ....vec import ZERO, add, average, dot, frame, largest, length, madd, mul, negate, put, scale, sub, to_world, vec
+from .. import lights
 from ..camera import camera_ray
 from ..geometry import TRIANGLES, find_surface, instance_table, surface_at, surface_table
 from ..ray_origins import clear_self_primitive, offset_ray_origin, spawn_ray
 from ..rays import SHADOW_OPAQUE, beyond, hit_instance, intersect, occluded, ray_table, start_anew
 from ..samplers import get_2d, get_3d, get_4d, pixel_seed
 from ..shading import evaluate, sample, shade
+from ..shading.caustics import blur_lobes
 from ..shading.microfacet import reflectance
 from ..shading.records import (
     DIFFUSE,
@@ -38,42 +45,87 @@ from ..shading.records import (
 )
 from ..visibility import shadow_ray
 from ..workspace import secondary_table
-from .records import CONNECTS, FOLLOW_ALL, FOLLOW_DIFFUSE, material_table, source_table
+from .records import CONNECTS, FOLLOW_ALL, FOLLOW_DIFFUSE, material_table, power_table
 
 ANY = DIFFUSE | GLOSSY | TRANSMISSION
 SAME_DIRECTION = 1.0 - 1e-9  # cosine of the angle between what a mirror gives and what it should
 LOOKS, UNSEEN = 4, 0.02  # rays from a vertex to pilots; what it counts where none of these see it
 NEARLY = 0.999  # of the way to a pilot, whose surface is not in the way
 FIRST_SETS, BOUNCE_SETS = 2, 2  # sets of random numbers of a path, and of each surface that it meets
+MEAN_DENSITY = 8.0 / (15.0 * math.pi)  # of ``_expected_density``, for all cosines
+LONGER = 1.0 + 1e-6  # factor of a distance that is the same but for rounding
 PLACE = 1 << 20  # of a pixel that no picture has, whose numbers light paths have
 
 
 @kernel
-def _power(block, lamp):
-    """Of a lamp from which light paths start; else 0."""
-    return lamp_table(block)[lamp].power if source_table(block)[lamp] else 0.0
+def _leave_triangle(block, workspace, emitter, u1, u2, u3, u4):
+    """As ``lights.leave_light``: a uniform point of an emissive triangle, whose material tells what it emits to either
+    side, and a direction by the cosine."""
+    instance, primitive, area = lights.triangle_place(block, emitter)
+    root = math.sqrt(u1)
+    side = 1.0 if u3 < 0.5 else -1.0
+    square, turn = 2.0 * u3 if u3 < 0.5 else 2.0 * u3 - 1.0, 2.0 * math.pi * u4
+    surface = surface_table(secondary_table(workspace)[0])[0]
+    corner = 1.0 - root, root * u2
+    surface_at(block, surface, instance, primitive, corner[0], corner[1], (0.0, 0.0, 1.0), DIFFUSE, 0.0)
+    ng, s = vec(surface.ng), math.sqrt(square)
+    t, b = frame(ng)
+    around = (s * math.cos(turn), s * math.sin(turn), side * math.sqrt(1.0 - square))
+    direction = to_world(around, t, b, ng)
+    surface_at(block, surface, instance, primitive, corner[0], corner[1], direction, DIFFUSE, 0.0)
+    shade(block, secondary_table(workspace)[0])
+    flux = scale(vec(surface.emission), 2.0 * math.pi * area)
+    return spawn_ray(workspace, surface, direction), direction, flux, np.inf
 
 
 @kernel
-def _start(block, index, total, seed):
-    """Emitter, start, direction and flux (RGB, W) of a light path; the emitter is −1 if there is no light."""
-    u = get_4d(index, seed, 0)
-    sum_of_powers = 0.0
-    for lamp in range(block.lamp_count):
-        sum_of_powers += _power(block, lamp)
-    left, lamp = u[0] * sum_of_powers, 0
-    while lamp < block.lamp_count - 1 and left >= _power(block, lamp):
-        left -= _power(block, lamp)
-        lamp += 1
-    row = lamp_table(block)[lamp]
-    if not _power(block, lamp) > 0.0:
-        return -1, ZERO, ZERO, ZERO
-    offset = lamps.interior_offset(block, lamp, vec(row.center), u[1], u[2], u[3])
-    v = get_2d(index, seed, 1)
+def _start(block, workspace, index, total, seed):
+    """Emitter, start, direction and flux (RGB, W) of a light path, and how far from there its light begins to be
+    scattered at most. The emitter is −1 if there is no light."""
+    u, powers = get_4d(index, seed, 0), power_table(block)
+    sum_of_powers = powers[len(powers) - 1]
+    emitter = min(np.searchsorted(powers, u[0] * sum_of_powers, side="right"), len(powers) - 1)
+    power = powers[emitter] - (powers[emitter - 1] if emitter > 0 else 0.0)
+    if not power > 0.0:
+        return -1, ZERO, ZERO, ZERO, 0.0
+    part, v = sum_of_powers / (power * total), get_2d(index, seed, 1)
+    if lights.is_triangle(block, emitter):
+        origin, direction, flux, reach = _leave_triangle(block, workspace, emitter, u[1], u[2], v[0], v[1])
+        return emitter, origin, direction, scale(flux, part), reach
+    if emitter >= block.lamp_count:
+        origin, direction, flux, reach = lights.leave_light(block, emitter, u[1], u[2], v[0], v[1])
+        return emitter, origin, direction, scale(flux, part), reach
+    center = vec(lamp_table(block)[emitter].center)
+    offset = lamps.interior_offset(block, emitter, center, u[1], u[2], u[3])
     z, around = 1.0 - 2.0 * v[0], 2.0 * math.pi * v[1]
     s = math.sqrt(max(1.0 - z * z, 0.0))
-    flux = scale(uniform_intensity(block, lamp, offset), 4.0 * math.pi * sum_of_powers / (row.power * total))
-    return lamp, add(vec(row.center), offset), (s * math.cos(around), s * math.sin(around), z), flux
+    flux = scale(uniform_intensity(block, emitter, offset), 4.0 * math.pi * part)
+    return emitter, add(center, offset), (s * math.cos(around), s * math.sin(around), z), flux, np.inf
+
+
+@kernel
+def _is_singular(block, emitter, position, wi):
+    """Whether the light that an emitter sends to a position comes from one direction alone. Rays of a mirror do not
+    find it."""
+    if emitter < block.lamp_count or lights.is_triangle(block, emitter):
+        return False
+    return lights.sample_light(block, emitter, position, wi, 0.5, 0.5)[4]
+
+
+@kernel
+def _is_lit(block, workspace, emitter, origin, direction, position, distance):
+    """Whether the light of a light path that started at ``origin`` reaches the ``position`` at this distance. A disk
+    that faces the lit point begins nearer to it or farther."""
+    if emitter < block.lamp_count or lights.is_triangle(block, emitter):
+        return True
+    way = negate(direction)
+    begins = lights.distance_to_light(block, emitter, position, way)
+    if not begins > 0.0:
+        return False
+    if begins <= distance * LONGER:
+        return True
+    start_anew(block, workspace)
+    return not occluded(block, workspace, origin, way, 0.0, begins - distance, SHADOW_OPAQUE)
 
 
 @kernel
@@ -127,6 +179,12 @@ def _scattered(block, workspace, wi, kind, pdf):
 
 
 @kernel
+def _expected_density(cosine):
+    """Mean of the lesser of c / π and cosine / π, for a random c of the density 2 c in (0, 1)."""
+    return (cosine - cosine * cosine * cosine / 3.0) / math.pi
+
+
+@kernel
 def _diffuse(workspace):
     """Whether the surface of the workspace scatters some light diffusely."""
     closures = closure_table(workspace)
@@ -141,23 +199,25 @@ def _trace(block, workspace, index, total, seed, raw, first, width):
     """Follow one light path, and write its vertices into ``raw`` from ``first`` on, ``width`` at most; returns how
     many."""
     surface, secondary = surface_table(workspace)[0], secondary_table(workspace)[0]
-    emitter, origin, direction, flux = _start(block, index, total, seed)
+    clear_self_primitive(ray_table(workspace)[0])
+    emitter, origin, direction, flux, reach = _start(block, workspace, index, total, seed)
     if emitter < 0:
         return 0
-    clear_self_primitive(ray_table(workspace)[0])
     count, scatters, diffuse, glossy, transmission, transparent = 0, 1, 0, 0, 0, 0
     t_min, pdf, kind, dimension, first_ones = 0.0, 0.0, 0, FIRST_SETS, 0
     instance, primitive, u, v, wi, waits = np.int64(0), np.int64(0), 0.0, 0.0, ZERO, False
     while True:
         start_anew(block, workspace)
-        if not intersect(block, workspace, origin, direction, t_min, np.inf, DIFFUSE):
+        if not intersect(block, workspace, origin, direction, t_min, reach, DIFFUSE):
             return count
         ray = ray_table(workspace)[0]
         distance = float(ray.t_far)
+        find_surface(block, workspace, negate(direction), DIFFUSE, 0.0)
         if waits:
             footprint = distance * block.camera_pixel_angle + block.camera_pixel_width
             surface_at(block, surface_table(secondary)[0], instance, primitive, u, v, direction, DIFFUSE, footprint)
             shade(block, secondary)
+            blur_lobes(block, secondary, _expected_density(abs(dot(vec(surface.n), direction))))
             before = largest(flux)
             factor, gloss = _scattered(block, secondary, wi, kind, pdf)
             flux = mul(flux, factor)
@@ -175,13 +235,16 @@ def _trace(block, workspace, index, total, seed, raw, first, width):
             dimension += BOUNCE_SETS
         instance, primitive, u, v = hit_instance(ray), np.int64(ray.primitive), float(ray.u), float(ray.v)
         wi = negate(direction)
-        find_surface(block, workspace, wi, DIFFUSE, 0.0)
         shade(block, workspace)
         triangle = instance_table(block)[instance].primitive == TRIANGLES
         flags = material_table(block)[surface.material] if triangle else 0
         position, ng = vec(surface.position), vec(surface.ng)
         albedo = average(mul(vec(surface.diffuse_albedo), flux))
-        if albedo > 0.0 and flags & CONNECTS and _diffuse(workspace):
+        lit, alone = True, False
+        if scatters == 1:
+            alone = _is_singular(block, emitter, position, wi)
+            lit = alone or _is_lit(block, workspace, emitter, origin, direction, position, distance)
+        if lit and albedo > 0.0 and flags & CONNECTS and _diffuse(workspace):
             vertex = raw[first + count]
             put(vertex.position, position)
             put(vertex.normal, ng)
@@ -196,6 +259,7 @@ def _trace(block, workspace, index, total, seed, raw, first, width):
             count += 1
             if count == width:
                 return count
+        blur_lobes(block, workspace, MEAN_DENSITY)
         numbers = get_3d(index, seed, dimension)
         direction, _, pdf, _, kind = sample(block, workspace, numbers[0], numbers[1], numbers[2])
         if pdf <= 0.0:
@@ -206,6 +270,8 @@ def _trace(block, workspace, index, total, seed, raw, first, width):
                 return count
             t_min = beyond(distance)
         else:
+            if not lit or alone and kind & SINGULAR:
+                return count
             if flags & FOLLOW_ALL == 0 and (flags & FOLLOW_DIFFUSE == 0 or kind & SINGULAR):
                 return count
             if kind & SINGULAR:
@@ -217,7 +283,7 @@ def _trace(block, workspace, index, total, seed, raw, first, width):
             scatters += 1
             if scatters > block.max_bounces:
                 return count
-            origin, t_min = spawn_ray(workspace, surface, direction), 0.0
+            origin, t_min, reach = spawn_ray(workspace, surface, direction), 0.0, np.inf
         waits = True
 
 

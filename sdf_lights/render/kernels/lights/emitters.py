@@ -4,6 +4,8 @@
 
 import math
 
+import numpy as np
+
 from ....jit import kernel
 from ....replaced import replaced_on_gpu
 from ....vec import largest, put
@@ -69,6 +71,21 @@ def light_hits(block, number, o, d, t_max, ray_kind, hits):
             put(hit.radiance, radiance)
             count += 1
     return count
+
+
+@kernel
+def leave_light(block, emitter, u1, u2, u3, u4):
+    """A ray that leaves one of Blender's lights: see ``interfaces.Light``."""
+    row = emitter_table(block)[emitter]
+    return kinds.leave(row.kind, block, row.index, u1, u2, u3, u4)
+
+
+@kernel
+def distance_to_light(block, emitter, x, d):
+    """Distance along d from x to one of Blender's lights that lights x from there; −1 if it does not, or has no
+    size."""
+    row = emitter_table(block)[emitter]
+    return kinds.hit(row.kind, block, row.index, x, d)[0]
 
 
 @kernel
@@ -157,6 +174,13 @@ def triangle_textured(block, emitter):
     """Whether the emitter is a triangle with varying radiance, which must be shaded at the sampled point."""
     row = emitter_table(block)[emitter]
     return row.kind == TRIANGLE and triangle.rows(block)[row.index].textured != 0
+
+
+@kernel
+def triangle_place(block, emitter):
+    """Instance, primitive and area (m²) of an emissive triangle."""
+    row = triangle.rows(block)[emitter_table(block)[emitter].index]
+    return np.int64(row.instance), np.int64(row.primitive), row.area
 
 
 @kernel

@@ -42,11 +42,13 @@ def darken_microfacets(workspace, kept):
 
 
 @kernel
-def blur_lobes(workspace, certainty):
-    """Make the lobes of ``workspace.surface`` at least as rough as Filter Glossy asks, for a path whose least density
-    was ``certainty`` (0 … 1) times its limit. Their total scattering stays the same, as in Cycles."""
+def blur_lobes(block, workspace, density):
+    """Make the lobes of ``workspace.surface`` at least as rough as Filter Glossy asks, for a path of this least
+    ``density`` (1/sr). Their total scattering stays the same, as in Cycles."""
+    if density >= block.filter_glossy:
+        return
     surface, closures = surface_table(workspace)[0], closure_table(workspace)
-    roughness = 0.5 * math.sqrt(1.0 - certainty)
+    roughness = 0.5 * math.sqrt(1.0 - density / block.filter_glossy)
     for i in range(surface.closure_count):
         closure = closures[i]
         kind = closure.kind

@@ -74,7 +74,20 @@ def _facing(kind, block, index, back):
     return back
 
 
+@kernel(forceinline=True)
+def _leave(kind, block, index, u1, u2, u3, u4):
+    if kind == NUMBER:
+        return CASE(ROWS(block)[index], u1, u2, u3, u4)
+    return REST(kind, block, index, u1, u2, u3, u4)
+
+
+@kernel
+def _stays(kind, block, index, u1, u2, u3, u4):
+    return (0.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, 0.0, 0.0), 0.0
+
+
 # For one of Blender's lights, number ``index`` of its kind, as in ``interfaces.Light``.
 sample = dispatched(_sample, _cases("sample"), _no_sample)
 hit = dispatched(_hit, _cases("hit"), _miss)
 normal = dispatched(_normal, _cases("normal"), _facing)
+leave = dispatched(_leave, _cases("leave"), _stays)

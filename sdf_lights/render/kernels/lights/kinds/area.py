@@ -166,6 +166,33 @@ def hit(light, o, d):
 
 
 @kernel
+def leave(light, u1, u2, u3, u4):
+    """See ``interfaces.Light``: a uniform point, and a direction by the cosine in the cone of the spread."""
+    area = light.half_u * light.half_v * (math.pi if light.ellipse else 4.0)
+    x, y = 2.0 * u1 - 1.0, 2.0 * u2 - 1.0
+    if light.ellipse:
+        r, phi = math.sqrt(u1), 2.0 * math.pi * u2
+        x, y = r * math.cos(phi), r * math.sin(phi)
+    u, v, axis = vec(light.u), vec(light.v), vec(light.normal)
+    origin = madd(madd(vec(light.center), x * light.half_u, u), y * light.half_v, v)
+    if light.tan_spread == 0.0:
+        return origin, axis, scale(vec(light.radiance), math.pi * area), math.inf
+    slope = light.tan_spread
+    cone = 1.0 if slope == math.inf else slope * slope / (1.0 + slope * slope)
+    sine, turn = math.sqrt(u3 * cone), 2.0 * math.pi * u4
+    cosine = math.sqrt(max(1.0 - u3 * cone, 0.0))
+    direction = to_world((sine * math.cos(turn), sine * math.sin(turn), cosine), u, v, axis)
+    gain = _gain(light, sine, 0.0, cosine) if cosine > 0.0 else 0.0
+    return origin, direction, scale(vec(light.radiance), gain * math.pi * cone * area), math.inf
+
+
+def flux(rows) -> np.ndarray:
+    """See ``interfaces.Light``."""
+    area = rows["half_u"] * rows["half_v"] * np.where(rows["ellipse"], math.pi, 4.0)
+    return np.abs(rows["radiance"]).mean(axis=1) * math.pi * area
+
+
+@kernel
 def normal(light, back):
     """See ``interfaces.Light``."""
     return vec(light.normal)

@@ -14,7 +14,7 @@ import numpy as np
 
 from .....affine import inverse_linear
 from .....jit import kernel, table
-from .....vec import dot, negate, scale, sub, vec
+from .....vec import dot, frame, madd, negate, scale, sub, vec
 from ....lights.point import PointLight, SpotLight
 from ..cone import FULL_SPHERE, cone_pdf, one_minus_cos, sample_cone, sample_sphere
 from ..extent import Extent, unit
@@ -36,6 +36,7 @@ RECORD = np.dtype(
     align=True,
 )
 
+CROSSING = 0.05  # part of the light paths of a sphere that start inside it
 BLEND_LEAST = 1e-6  # a smooth step this narrow counts as a step
 
 LIGHT, TABLE = PointLight, "light_points"
@@ -183,6 +184,40 @@ def hit(light, o, d):
     if not distance > 0.0:
         return -1.0, (0.0, 0.0, 0.0), 0.0
     return distance, sphere_radiance(light, o, d), sphere_pdf(light, o)
+
+
+@kernel
+def leave(light, u1, u2, u3, u4):
+    """See ``interfaces.Light``: a direction in the cone of a spot, and a point of the disk across it.
+
+    A sphere lights what is inside it, too, from its far side: a few of the rays cross it.
+    """
+    crosses = light.disk == 0 and light.radius > 0.0 and u4 < CROSSING
+    if crosses or light.spot == 0:
+        direction, measure = sample_sphere(u1, u2), 4.0 * math.pi
+    else:
+        direction, measure = sample_cone(vec(light.axis), light.spread, u1, u2), 2.0 * math.pi * light.spread
+    center = vec(light.center)
+    if light.radius == 0.0:
+        return center, direction, scale(vec(light.radiance), attenuation(light, negate(direction)) * measure), math.inf
+    if light.disk == 0:
+        measure /= CROSSING if crosses else 1.0 - CROSSING
+        u4 = u4 / CROSSING if crosses else (u4 - CROSSING) / (1.0 - CROSSING)
+    r, phi = light.radius * math.sqrt(u3), 2.0 * math.pi * u4
+    t, b = frame(direction)
+    place = madd(madd(center, r * math.cos(phi), t), r * math.sin(phi), b)
+    depth = 0.0 if light.disk else math.sqrt(max(light.radius * light.radius - r * r, 0.0))
+    measure *= math.pi * light.radius * light.radius
+    if crosses:
+        return madd(place, -depth, direction), direction, scale(vec(light.radiance), measure), 2.0 * depth
+    passed = attenuation(light, negate(direction)) * measure
+    return madd(place, depth, direction), direction, scale(vec(light.radiance), passed), math.inf
+
+
+def flux(rows) -> np.ndarray:
+    """See ``interfaces.Light``."""
+    size = np.where(rows["radius"] > 0.0, math.pi * rows["radius"] ** 2, 1.0)
+    return np.abs(rows["radiance"]).mean(axis=1) * size * 2.0 * math.pi * rows["spread"]
 
 
 def has_size(light) -> bool:
