@@ -397,9 +397,8 @@ def _(size: int) -> None:
     _object_lamp(turned(x=20.0, z=30.0, at=(0.0, 0.3, 1.7), scale=(0.8, 0.8, 0.8)), mesh)
 
 
-@_scene("logo", "the outline of a picture: a disc with a star cut out")
-def _(size: int) -> None:
-    simple_scenes.boxes_and_sphere(size)
+def logo_image() -> bpy.types.Image:
+    """A disc with a star cut out, in the alpha of a picture."""
     width = 512
     x, y = (2.0 * (np.arange(width) + 0.5) / width - 1.0 for _ in range(2))
     radius, angle = np.hypot(*np.meshgrid(x, y)), np.arctan2(*np.meshgrid(y, x, indexing="ij"))
@@ -409,6 +408,13 @@ def _(size: int) -> None:
     pixels[..., 3] = inside
     image.pixels.foreach_set(pixels.ravel())
     image.update()
+    return image
+
+
+@_scene("logo", "the outline of a picture: a disc with a star cut out")
+def _(size: int) -> None:
+    simple_scenes.boxes_and_sphere(size)
+    image = logo_image()
     _data_lamp(turned(x=80.0, z=15.0, at=(0.0, 0.3, 1.6)), None, source="IMAGE", image=image, image_size=1.8)
 
 
