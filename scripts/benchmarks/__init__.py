@@ -34,6 +34,7 @@ NAMES = (
     "nodes",
     "files",
     "fuzz",
+    "features",
     "scenes",
     "allocation",
     "indirect",

@@ -10,6 +10,8 @@ over pixels depend on the seeds, so there is a second figure, without the noisie
 
 from __future__ import annotations
 
+import functools
+import importlib
 import math
 import statistics
 from collections.abc import Iterator
@@ -19,13 +21,13 @@ import bpy
 import host
 import numpy as np
 
-from . import artist_scenes, beside_cycles, errors, lamp_scenes, pictures, simple_scenes, some_of
+from . import artist_scenes, beside_cycles, errors, indirect_rooms, lamp_scenes, pictures, simple_scenes, some_of
 from .resume import in_parts
 from .turns import in_turns, stack_of, work_of
 
 HELP = "the gain of each term of sample allocation and path splitting, on scenes with and without lamps"
 
-LAMPS = ("S1", "S2", "S4", "S5")
+LAMPS = ("S1", "S2", "S4", "S5", *indirect_rooms.ROOMS)
 ORDINARY = ("animation", "street", "forest", "neon_bar", "living_room_night")
 QUICK = ("S1", "S4", "animation", "street")
 BOUNCES = 4  # of scenes of lamps
@@ -35,7 +37,7 @@ SEEDS, QUICK_SEEDS = 6, 3
 OUTLIERS = 1 / 500
 
 
-def ears(noise, alike, samples: int, rates, branches) -> tuple[np.ndarray, np.ndarray]:
+def ears(noise, groups, samples: int, rates, branches) -> tuple[np.ndarray, np.ndarray]:
     """As ``sample_allocation._best``, by EARS (Rath et al. 2022, "EARS: efficiency-aware Russian roulette and
     splitting").
 
@@ -54,17 +56,12 @@ def ears(noise, alike, samples: int, rates, branches) -> tuple[np.ndarray, np.nd
 # The terms that are switched off or replaced, and their text in the document: settings of the scene, or values of
 # ``sample_allocation``.
 ALL = "all"
-NEIGHBOURS = (1.0, 2.0, 1.0)
+NEIGHBOURS, NEAR, FAR = (tuple(map(float, np.poly1d((1, 1)) ** (2 * reach))) for reach in (1, 2, 4))
 TERMS: dict[str, tuple[str, dict, dict]] = {
     "splitting": ("paths do not divide", dict(indirect_paths=1), {}),
     "guidance": ("all pixels take the same number of samples", dict(guided_samples=False), {}),
     "both": ("neither", dict(indirect_paths=1, guided_samples=False), {}),
     "power": ("noise is taken to fall as that of independent samples", {}, dict(MOST_POWER=1.0)),
-    "expectation": (
-        "neighbours alone tell the noise of a pixel",
-        {},
-        dict(_expected=lambda found, told, *_: np.array(told)),
-    ),
     "first_rows": (
         "paths divide by a constant until samples scatter",
         {},
@@ -72,9 +69,20 @@ TERMS: dict[str, tuple[str, dict, dict]] = {
     ),
     "gains": ("both as soon as they promise anything", {}, dict(SPLITTING_GAIN=1.0, GUIDANCE_GAIN=1.0)),
     "cut_cost": ("the boxes of lamps count as no time", {}, dict(CUT_COST=0.0)),
-    "telling": ("no pixel divides only to show how branches scatter", {}, dict(PART=0.0)),
+    "telling": ("no pixel divides only to show how branches scatter", {}, dict(PROBE_FRACTION=0.0)),
     "rates": ("pixels take from half to twice the set number of samples", {}, dict(MOST_RATE=2.0)),
     "neighbours": ("only the eight nearest neighbours count", {}, dict(NEAR=NEIGHBOURS, FAR=NEIGHBOURS)),
+    "survival": ("Russian roulette may end branches with any probability", {}, dict(LEAST_SURVIVAL=0.0)),
+    "no_roulette": ("no Russian roulette of branches", {}, dict(LEAST_SURVIVAL=math.inf)),
+    "connections": ("connections to light paths count as no time", {}, dict(CONNECTION_COST=0.0)),
+    "connected_left": ("what connections estimate may end any branch", {}, dict(LEAST_PATH_WEIGHT=0.0)),
+    "cost": ("what a sample costs beside branches and boxes counts as no time", {}, dict(COST=0.0)),
+    "least_rate": ("pixels take a quarter of the set number of samples or more", {}, dict(LEAST_RATE=0.25)),
+    "floor": ("errors are relative to a floor that is five times as high", {}, dict(FLOOR=0.05)),
+    "far": ("brightness of the 24 nearest neighbours, not of 80", {}, dict(FAR=NEAR)),
+    "near": ("noise of branches of the 80 nearest neighbours, not of 24", {}, dict(NEAR=FAR)),
+    "patch": ("patches of two pixels", {}, dict(PATCH=2)),
+    "bands": ("a quarter of the rows first", {}, dict(BANDS=4)),
     "ears": (
         "splitting as in EARS (Rath et al. 2022), the same number of samples for all pixels",
         dict(guided_samples=False),
@@ -103,20 +111,40 @@ def arguments(parser) -> None:
 
 @contextmanager
 def _without(values: dict) -> Iterator[None]:
-    """``sample_allocation`` with other values for these names."""
-    module = host.program("render.sample_allocation")
-    kept = {name: getattr(module, name) for name in values}
+    """``sample_allocation`` and ``path_splitting`` with other values for these names."""
+    allocation, splitting, renderer = (
+        host.program(name) for name in ("render.sample_allocation", "render.cpu.path_splitting", "render.cpu.renderer")
+    )
+    constants = {name: value for name, value in values.items() if hasattr(splitting, name)}
+    kept = {name: getattr(allocation, name) for name in values if name not in constants}
     try:
-        for name, value in values.items():
-            setattr(module, name, value)
+        for name in kept:
+            setattr(allocation, name, values[name])
+        if constants:
+            renderer.render_tile = _tile(splitting, tuple(sorted(constants.items())))
         yield
     finally:
         for name, value in kept.items():
-            setattr(module, name, value)
+            setattr(allocation, name, value)
+        renderer.render_tile = splitting.render_tile
+
+
+@functools.cache
+def _tile(splitting, constants: tuple[tuple[str, float], ...]):
+    """``render_tile`` of ``path_splitting`` with other constants."""
+    jit, names = importlib.import_module("...jit", splitting.__package__), dict(constants)
+    suffix = "_".join(f"{name}_{value}" for name, value in constants)
+    roulette = jit.specialised(splitting.roulette_branches, f"roulette_branches_{suffix}", **names)
+    branches = jit.specialised(
+        splitting.trace_branches, f"trace_branches_{suffix}", roulette_branches=roulette, **names
+    )
+    return jit.specialised(splitting.render_tile, f"render_tile_{suffix}", trace_branches=branches)
 
 
 def build(name: str, size: int) -> bpy.types.Scene:
     """A scene of lamps or of artists, of this name."""
+    if name in indirect_rooms.ROOMS:
+        return indirect_rooms.build(name, size)
     if name not in lamp_scenes.SCENES:
         return artist_scenes.build(name, size)
     lamp_scenes.SCENES[name].build(size)
@@ -143,7 +171,8 @@ def measure(name: str, terms: list[str], options) -> list[dict]:
     samples = QUICK_SAMPLES if options.quick else SAMPLES
     seeds = options.repeats or (QUICK_SEEDS if options.quick else SEEDS)
     variants = [ALL, *terms]
-    _render(name, scene, ALL, 1, 0, options.device)  # compiles, and fills caches
+    for variant in variants:
+        _render(name, scene, variant, 1, 0, options.device)  # compiles, and fills caches
     start = statistics.median(_render(name, scene, "both", 1, 0, options.device).work for _ in range(3))
     made = in_turns(
         variants, range(max(seeds, 2)), lambda term, seed: _render(name, scene, term, samples, seed, options.device)

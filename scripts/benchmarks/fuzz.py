@@ -39,11 +39,11 @@ class Difference:
 
 
 def difference_of(theirs: np.ndarray, ours: np.ndarray) -> Difference:
-    """Of pictures (seeds, height, width, RGB) of two engines, whose sides are multiples of ``BLOCK``."""
+    """Of pictures (seeds, height, width, channels) of two engines, whose sides are multiples of ``BLOCK``."""
     most = max(BRIGHTEST * np.quantile(theirs.mean(0), 0.99), 1e-3)
     theirs, ours = np.minimum(theirs, most), np.minimum(ours, most)
-    seeds, height, width, _ = theirs.shape
-    shape = seeds, height // BLOCK, BLOCK, width // BLOCK, BLOCK, 3
+    seeds, height, width, channels = theirs.shape
+    shape = seeds, height // BLOCK, BLOCK, width // BLOCK, BLOCK, channels
     blocks = [picture.reshape(shape).mean((2, 4)) for picture in (theirs, ours)]
     means = [picture.mean((1, 2, 3)) for picture in (theirs, ours)]
     brightness = max(float(means[0].mean()), 1e-9)

@@ -25,7 +25,9 @@ from .node_pictures import CYCLES
 ENGINES = (CYCLES, GUIDED)
 WIDTH, QUICK_WIDTH = 240, 96
 FEW, MANY, QUICK_MANY = 4, 64, 16  # samples of Cycles; of ours for the rate
-SEEDS = 3
+SEEDS = 3  # at least; more where a few bright pixels decide the error
+DOUBT = 0.1  # standard error of the ratio of errors, from which on no more seeds are rendered
+SECONDS, QUICK_SECONDS = 120.0, 8.0  # processor time for these seeds
 REFERENCE_SAMPLES, QUICK_REFERENCE_SAMPLES = 512, 128  # of each of at least two renders of a reference
 REFERENCE_SECONDS = 60.0
 
@@ -67,11 +69,19 @@ def measure(name: str, options) -> dict:
     ours = max(round(many * each[CYCLES] / each[GUIDED]), 1)
     numbers = {CYCLES: many, GUIDED: ours}
     taken: dict[tuple[str, bool], list[pictures.Picture]] = {}
-    for seed in range(max(seeds, 2)):  # the second shows how much is noise
-        for denoise in (False,) if options.quick else (False, True):
-            for engine in ENGINES:
-                taken.setdefault((engine, denoise), []).append(render(engine, numbers[engine], seed, denoise))
     truth = _reference(name, scene, options)
+    seconds, seed = 0.0, 0
+    while seed < max(seeds, 2) or (  # the second shows how much is noise
+        not options.repeats
+        and seconds < (QUICK_SECONDS if options.quick else SECONDS)
+        and _doubt(*(taken[engine, False] for engine in ENGINES), truth) > DOUBT
+    ):
+        for denoise in (False,) if options.quick or seed >= seeds else (False, True):
+            for engine in ENGINES:
+                made = render(engine, numbers[engine], seed, denoise)
+                taken.setdefault((engine, denoise), []).append(made)
+                seconds += made.work
+        seed += 1
     seconds = options.reference_seconds
     if seconds is None:
         seconds = 0.0 if options.quick else REFERENCE_SECONDS
@@ -82,6 +92,8 @@ def measure(name: str, options) -> dict:
         if (GUIDED, denoise) in taken:
             row |= _at_equal_time({engine: taken[engine, denoise] for engine in ENGINES}, start, truth, prefix)
     row |= dict(
+        error_time_doubt=_doubt(*(taken[engine, False] for engine in ENGINES), truth),
+        seeds=seed,
         samples_ratio=each[CYCLES] / each[GUIDED],
         reference_error=errors.rel_variance(truth.variance, truth.pixels),
         reference_renders=len(truth.renders),
@@ -104,6 +116,15 @@ def _difference(made: list[pictures.Picture], truth: references.Reference) -> di
         mean_ratio=float(means.mean() / light),
         mean_doubt=float(noise),
     )
+
+
+def _doubt(these: list[pictures.Picture], those: list[pictures.Picture], truth: references.Reference) -> float:
+    """Relative standard error of the ratio of two mean squared errors, from the scatter over seeds."""
+    squares = 0.0
+    for made in (these, those):
+        found = np.array([errors.rel_mse(picture.pixels, truth.pixels) for picture in made])
+        squares += found.var(ddof=1) / len(found) / found.mean() ** 2
+    return float(squares**0.5)
 
 
 def _at_equal_time(made: dict[str, list[pictures.Picture]], start: dict, truth, prefix: str) -> dict:

@@ -83,21 +83,25 @@ def child(blend: str, device: str) -> dict:
     return dict(blender=empty, first=first - empty, later=later - empty)
 
 
+def installed(cache: pathlib.Path) -> dict[str, str]:
+    """Environment of a process that is to behave as an installation does, with this folder of compiled files."""
+    return {
+        **os.environ,
+        "SDF_LIGHTS_CACHE": str(cache),
+        "PYTHONPATH": str(host.REPOSITORY / "scripts"),
+        # Python's bytecode is part of what an installation compiles once, for any option of this process.
+        "PYTHONPYCACHEPREFIX": str(cache / "bytecode"),
+        "PYTHONDONTWRITEBYTECODE": "",
+    }
+
+
 def _measure(blend: pathlib.Path, device: str, cache: str) -> dict:
     command = f"from benchmarks import startup; startup.answer({str(blend)!r}, {device!r}, {{!r}})"
     with tempfile.TemporaryDirectory(dir=work_folder()) as folder:
         answer = pathlib.Path(folder) / "answer.json"
-        environment = {
-            **os.environ,
-            "SDF_LIGHTS_CACHE": cache,
-            "PYTHONPATH": str(host.REPOSITORY / "scripts"),
-            # Python's bytecode is part of what an installation compiles once, for any option of this process.
-            "PYTHONPYCACHEPREFIX": str(pathlib.Path(cache) / "bytecode"),
-            "PYTHONDONTWRITEBYTECODE": "",
-        }
         done = subprocess.run(
             [sys.executable, "-c", command.format(str(answer))],
-            env=environment,
+            env=installed(pathlib.Path(cache)),
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,

@@ -23,8 +23,8 @@ from .naming import ENGINE, LABEL
 UNKNOWN, OWN, CYCLES = "UNKNOWN", "OWN", "CYCLES"
 
 ORIGINS = [
-    (UNKNOWN, "Unknown", "The scene has not had this engine yet", 0),
-    (OWN, "Own", "Settings of this engine from the start", 1),
+    (UNKNOWN, "Unknown", "This engine has not been used in the scene", 0),
+    (OWN, "Own", "The scene was made for this engine", 1),
     (CYCLES, "Cycles", "Settings copied from Cycles", 2),
 ]
 

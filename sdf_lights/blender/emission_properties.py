@@ -39,7 +39,7 @@ class SDFLIGHTS_LampEmission(bpy.types.PropertyGroup):
             ),
             "expression": bpy.props.StringProperty(
                 name="Expression",
-                description="Brightness or colour as a formula of the point p, the depth below the surface "
+                description="Brightness or color as a formula of the point p, the depth below the surface "
                 "and the height from 0 to 1, such as exp(-20 * depth) or blackbody(mix(4000, 1500, height))",
                 default="exp(-20 * depth)",
                 update=changed,

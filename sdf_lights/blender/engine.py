@@ -15,7 +15,7 @@ import sys
 import bpy
 
 from ..render.errors import RenderError
-from ..render.memory import give_back
+from ..render.memory import trim_heap
 from ..render.passes import MATTES
 from ..render.settings import Device
 from . import command_line, feedback, findings, lamp_preview
@@ -54,7 +54,7 @@ class SDFLightsRenderEngine(ViewportEngine, bpy.types.RenderEngine):
                     fail_at_exit()
                 raise
             finally:
-                give_back()
+                trim_heap()
 
     def _render(self, depsgraph):
         # Not at the top: this imports Numba and every kernel.

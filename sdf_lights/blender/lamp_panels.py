@@ -153,7 +153,7 @@ def draw_readout(layout, light, obj, width: int) -> None:
         column = layout.column(align=True)
         for line in readout.facts(shape, matrix, light, pattern):
             column.label(text=line)
-        if not readout.certain(shape):
+        if not readout.is_certified(shape):
             labels.draw_sentence(layout, "Thin parts may be missing", width, "INFO")
     problem = viewport.proxy_error(light)
     if problem:

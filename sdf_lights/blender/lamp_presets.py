@@ -85,7 +85,9 @@ def preset_of(light: bpy.types.Light) -> Preset:
     lamp = light.sdf_lamp
     for thing in parameters.things_of(light):
         what = "an image" if isinstance(thing, bpy.types.Image) else "an object"
-        raise RenderError(f"Its shape is that of {what} of this file, which others do not have: choose another source.")
+        raise RenderError(
+            f"Its shape is that of {what} of this file, which other files do not have: choose another source."
+        )
     primitive = lamp.source == "PRIMITIVE"
     shape = lamp.shape.lower() if primitive else ""
     if primitive:
@@ -217,7 +219,7 @@ CLASSES = (SDFLIGHTS_PT_lamp_presets, SDFLIGHTS_OT_lamp_preset_add)
 def register():
     properties.SDFLIGHTS_LampSettings.as_text = bpy.props.StringProperty(
         name="As Text",
-        description="The lamp as presets keep it",
+        description="Settings of the lamp that a preset stores",
         get=_get_text,
         set=_set_text,
         options={"HIDDEN", "SKIP_SAVE"},

@@ -40,7 +40,7 @@ def write(out: str, scene: bpy.types.Scene, frames: list[str]) -> None:
             strip.elements.append(os.path.basename(path))
         width, height = strip.elements[0].orig_width, strip.elements[0].orig_height
         if not width or not height:
-            raise RuntimeError(f"{frames[0]} is no picture.")
+            raise RuntimeError(f"{frames[0]} is not a picture.")
         render = made.render
         render.resolution_x, render.resolution_y = width - width % _EVEN, height - height % _EVEN
         render.resolution_percentage = 100

@@ -134,7 +134,7 @@ class SDFLIGHTS_OT_text_lamp_add(bpy.types.Operator, AddObjectHelper):
 
 
 class SDFLIGHTS_OT_network_reload(bpy.types.Operator):
-    """Read the lamp's network again, after its file has changed"""
+    """Read the file of the lamp's network again"""
 
     bl_idname = "sdf_lights.network_reload"
     bl_label = "Reload Network"
@@ -157,7 +157,7 @@ class SDFLIGHTS_OT_network_reload(bpy.types.Operator):
 
 
 class SDFLIGHTS_OT_network_lamp_add(bpy.types.Operator, AddObjectHelper):
-    """Add a lamp of a network: the add-on's example, until another file is chosen"""
+    """Add a lamp of a network. It is the add-on's example until another file is chosen"""
 
     bl_idname = "sdf_lights.network_lamp_add"
     bl_label = "Add Network Lamp"

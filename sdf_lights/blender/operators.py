@@ -97,7 +97,7 @@ class SDFLIGHTS_OT_lamp_add(bpy.types.Operator, AddObjectHelper):
             ("PRIMITIVE", "Primitive", "One shape with its parameters", 0),
             ("EXPRESSION", "Expression", "A few lines of text that combine shapes", 1),
             ("EXAMPLE", "Example", "A worked example of an expression", 2),
-            ("PRESET", "Preset", "A lamp with a colour and a power", 3),
+            ("PRESET", "Preset", "A lamp with a color and a power", 3),
             ("PROFILE", "Profile", "An outline that is extruded or revolved about an axis", 4),
             ("NODES", "Nodes", "A node tree that combines shapes", 5),
         ],
@@ -219,7 +219,7 @@ class SDFLIGHTS_OT_parameters_remove(LampOperator, bpy.types.Operator):
 
 
 class SDFLIGHTS_OT_preset_load(LampOperator, bpy.types.Operator):
-    """Give the lamp the shape, colour, emission and power of a preset"""
+    """Give the lamp the shape, color, emission and power of a preset"""
 
     bl_idname = "sdf_lights.preset_load"
     bl_label = "Use Preset"

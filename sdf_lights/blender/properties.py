@@ -119,7 +119,7 @@ SDFLIGHTS_SceneSettings = group(
             update=cycles.changed,
             items=[
                 ("USE", "Use", "They replace those of the scene", 0),
-                ("BOUNDED", "Bounded", "They replace those of the scene if they are fewer", 1),
+                ("BOUNDED", "Bounded", "They replace those of the scene only if they are fewer", 1),
                 ("IGNORE", "Ignore", "Nothing", 2),
             ],
         ),
@@ -343,7 +343,7 @@ SDFLIGHTS_LampSettings = group(
             ),
             "image_colors": bpy.props.BoolProperty(
                 name="Own Colors",
-                description="The lamp has the colors of the picture, times its pattern and its color",
+                description="Multiply the light by the colors of the picture",
                 default=False,
                 update=tag,
             ),
@@ -358,7 +358,7 @@ SDFLIGHTS_LampSettings = group(
             ),
             "object": bpy.props.PointerProperty(
                 name="Object",
-                description="Text, curve, mesh or volume whose shape glows. The lamp follows what is edited there",
+                description="Text, curve, mesh or volume whose shape glows. The lamp follows its edits",
                 type=bpy.types.Object,
                 poll=lambda self, obj: obj.type in objects.READERS,
                 update=expression_changed,
@@ -472,7 +472,7 @@ SDFLIGHTS_LampSettings = group(
                 update=tag,
             ),
             "data": bpy.props.CollectionProperty(
-                name="Data", description="What its texts name", type=SDFLIGHTS_LampData
+                name="Data", description="Objects, images and files that its texts name", type=SDFLIGHTS_LampData
             ),
             "emission": bpy.props.PointerProperty(type=SDFLIGHTS_LampEmission),
             "version": _version(),

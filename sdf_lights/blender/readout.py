@@ -53,13 +53,13 @@ _wanted: list[tuple[float, Shape, Emission | None]] = []
 _finders: list["_Finder"] = []  # at most one
 
 
-def certain(shape: Shape) -> bool:
+def is_certified(shape: Shape) -> bool:
     """Whether rays are certain to miss nothing of a shape. For fields, this is computed while Blender is idle; until
     then they count as certain."""
     return shape.certified and _certain.get(shape, True)
 
 
-def _wonder(shape: Shape, pattern: Emission | None) -> None:
+def _keep_checking(shape: Shape, pattern: Emission | None) -> None:
     """Find out whether a shape is certain, if another shape has ended the thread that computed it."""
     if shape.certified and (shape, pattern) in _found and shape not in _certain:
         _want(shape, pattern)
@@ -218,7 +218,7 @@ def facts(shape: Shape, matrix: np.ndarray, light: bpy.types.Light, pattern: Emi
     """Lines about a lamp with this shape and emission under a matrix (4 × 4)."""
     scale = abs(float(np.linalg.det(matrix[:3, :3])))
     volume = volume_of(shape)
-    _wonder(shape, None)
+    _keep_checking(shape, None)
     lines = [
         "Volume: …"
         if volume is None
@@ -236,7 +236,7 @@ def facts(shape: Shape, matrix: np.ndarray, light: bpy.types.Light, pattern: Emi
 
 def details(shape: Shape) -> tuple[str, ...]:
     """Lines about the representation and tracing of a shape."""
-    return _shape_facts(shape, certain(shape))
+    return _shape_facts(shape, is_certified(shape))
 
 
 @functools.lru_cache(maxsize=256)

@@ -6,7 +6,7 @@ from .building.build import LampError, build_lamp
 from .building.pack import new_spans, pack_lamps, pack_scalars
 from .building.remarks import doubts, unresolved
 from .lamps import SCALARS, TABLES, attenuated_radiance, intensity, radiance, trace, varies
-from .sampling.projection import direction_pdf, sample_direction, way_inside
+from .sampling.projection import direction_pdf, interior_offset, sample_direction
 
 __all__ = [
     "SCALARS",
@@ -25,5 +25,5 @@ __all__ = [
     "trace",
     "unresolved",
     "varies",
-    "way_inside",
+    "interior_offset",
 ]

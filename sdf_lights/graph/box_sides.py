@@ -8,9 +8,9 @@ from __future__ import annotations
 import numpy as np
 
 from .continuity import declared
+from .discontinuity import EQUAL, alike
 from .formula import ITERATE, STATE, VARIABLE, Formula, order
 from .interval_arithmetic import Interval
-from .tears import EQUAL, alike
 
 SIGN, STEP = "sign", "step"
 

@@ -110,7 +110,7 @@ def function(
     def call(called: Function, operands: list[str], declare: Callable[[str, str], str]) -> list[str]:
         glsl = getattr(called, "glsl", "")
         if written is None or not glsl:
-            raise UnwrittenError(f"lamps of the kind '{called.name}' have no form for the graphics card yet")
+            raise UnwrittenError(f"lamps of the kind '{called.name}' cannot be drawn by the graphics card yet")
         for part in (*getattr(called, "needs", ()), called):
             if part.name not in written:
                 written.add(part.name)

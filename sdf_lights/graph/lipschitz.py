@@ -8,10 +8,10 @@ inflated by rotations and nested lengths. Second, the square root of a sum of sq
 is bounded, while that of the root alone has a pole. At a crease the gradients of both sides are bounded (Clarke's
 generalised gradient).
 
-Every value also records in which boxes it may be *torn*: at a step of ``floor``, at a ``select`` whose sides may
-differ, at the cut of an angle, at the end of a loop that points leave early, at a pole, at the border of its domain.
-There the bound is infinite, unless later operations join both sides again, as the absolute value of a remainder from −1
-to 1 does. ``continuity`` has further cases.
+Every value also records in which boxes it may be *discontinuous*: at a step of ``floor``, at a ``select`` whose sides
+may differ, at the cut of an angle, at the end of a loop that points leave early, at a pole, at the border of its
+domain. There the bound is infinite, unless later operations join both sides again, as the absolute value of a remainder
+from −1 to 1 does. ``continuity`` has further cases.
 """
 
 from __future__ import annotations
@@ -30,26 +30,31 @@ def lipschitz(
     high: np.ndarray,
     parameters: Numbers = (),
     parts: int = 16,
-    tears: bool = True,
+    jumps: bool = True,
 ) -> np.ndarray:
     """Least bounds (n,) found for |φ(x) − φ(y)| / |x − y| over boxes with the corners ``low`` and ``high`` (n, 3).
 
     Infinite if no bound is found. The bound covers every box separately: between points of two boxes, the greatest
     bound of the boxes that the segment passes through holds. ``parts`` is the maximum number of cases for a box, by the
-    sides of clamps and folds that its points are on. Without ``tears`` the bounds are those of both sides of a jump.
+    sides of clamps and folds that its points are on. Without ``jumps`` the bounds are those of both sides of a jump.
     """
-    return _slope(formula, low, high, parameters, parts, tears)[2]
+    return _slope(formula, low, high, parameters, parts, jumps)[2]
 
 
-def torn(formula: Formula, low: np.ndarray, high: np.ndarray, parameters: Numbers = (), parts: int = 16) -> np.ndarray:
+def discontinuous(
+    formula: Formula, low: np.ndarray, high: np.ndarray, parameters: Numbers = (), parts: int = 16
+) -> np.ndarray:
     """The boxes in which the formula may jump, or may be undefined somewhere: (n,)."""
     return ~np.isfinite(_slope(formula, low, high, parameters, parts)[2])
 
 
-def may_tear(formula: Formula) -> bool:
+def may_be_discontinuous(formula: Formula) -> bool:
     """Whether any part of a formula can jump or be undefined."""
     return any(
-        node.kind in _TEARING or node.kind == ITERATE and any(map(may_tear, node.value.roots())) or _leaves(node)
+        node.kind in _DISCONTINUOUS
+        or node.kind == ITERATE
+        and any(map(may_be_discontinuous, node.value.roots()))
+        or _leaves(node)
         for node in order(formula)
     )
 
@@ -58,11 +63,11 @@ def _leaves(node: Formula) -> bool:
     return node.kind == ITERATE and node.value.going is not None
 
 
-_TEARING = frozenset({"floor", "select", "atan2", "tan", "divide", "sqrt", "log", "asin", "acos", "power"})
+_DISCONTINUOUS = frozenset({"floor", "select", "atan2", "tan", "divide", "sqrt", "log", "asin", "acos", "power"})
 
 
 def global_lipschitz(
-    formula: Formula, low: np.ndarray, high: np.ndarray, parameters: Numbers = (), tears: bool = True
+    formula: Formula, low: np.ndarray, high: np.ndarray, parameters: Numbers = (), jumps: bool = True
 ) -> float:
     """As ``lipschitz``, for one box with the corners ``low`` and ``high`` (3,), which is split while the bound is
     loose.
@@ -72,7 +77,7 @@ def global_lipschitz(
     """
     low, high = np.array(low, np.float64, ndmin=2), np.array(high, np.float64, ndmin=2)
     if not np.isfinite(high - low).all():
-        return float(lipschitz(formula, low, high, parameters, tears=tears)[0])
+        return float(lipschitz(formula, low, high, parameters, jumps=jumps)[0])
     low, high = _octants(*_octants(low, high))
     settled = steepest = 0.0
     round_ = 0
@@ -80,12 +85,12 @@ def global_lipschitz(
         round_ += 1
         # Slopes that do occur: those at one point of each box, away from the planes of symmetry of shapes.
         points = low + (high - low) * _INSIDE
-        bounds = lipschitz(formula, np.concatenate([low, points]), np.concatenate([high, points]), parameters, 1, tears)
+        bounds = lipschitz(formula, np.concatenate([low, points]), np.concatenate([high, points]), parameters, 1, jumps)
         bounds, slopes = bounds[: len(low)], bounds[len(low) :]
         steepest = max(steepest, slopes[np.isfinite(slopes)].max(initial=0.0))
         enough = (1.0 + _LOOSE) * steepest
         loose = np.flatnonzero(bounds > enough)
-        bounds[loose] = lipschitz(formula, low[loose], high[loose], parameters, _PARTS, tears)
+        bounds[loose] = lipschitz(formula, low[loose], high[loose], parameters, _PARTS, jumps)
         worst = np.argsort(bounds)[: -_DIVIDED - 1 : -1]
         divided = np.zeros(len(low), bool)
         divided[worst] = bounds[worst] > enough
@@ -114,8 +119,9 @@ def gradient_bounds(
     return least.T, most.T
 
 
-def _slope(formula: Formula, low, high, parameters, parts: int, tears: bool = True):
-    """Bounds over boxes of the gradient, (3, n) and (3, n), and of its length (n,), infinite where it is torn."""
+def _slope(formula: Formula, low, high, parameters, parts: int, jumps: bool = True):
+    """Bounds over boxes of the gradient, (3, n) and (3, n), and of its length (n,), infinite where it is
+    discontinuous."""
     low, high = np.asarray(low, np.float64), np.asarray(high, np.float64)
     with np.errstate(all="ignore"):
         boxes = SlopeBoxes(formula, low, high, parameters, parts)
@@ -123,7 +129,7 @@ def _slope(formula: Formula, low, high, parameters, parts: int, tears: bool = Tr
         n = len(boxes.rows)
         gradient = NO_GRADIENT if found.gradient is None else found.gradient
         norm = np.broadcast_to(np.minimum(found.norm, length_bound(gradient)), n)
-        if tears and found.tear.torn is not None:
-            norm = np.where(found.tear.torn, np.inf, norm)
+        if jumps and found.discontinuity.boxes is not None:
+            norm = np.where(found.discontinuity.boxes, np.inf, norm)
         least, most = (np.broadcast_to(bound, (3, n)) for bound in gradient[:2])
         return boxes.whole(np.minimum, least), boxes.whole(np.maximum, most), boxes.whole(np.maximum, norm)

@@ -17,17 +17,17 @@ TINY = DOUBLE.tiny  # covers underflow
 ARITHMETIC = Arithmetic()
 
 
-class Tear(NamedTuple):
-    """Where a value may jump: in all of the ``torn`` boxes, with the known facts about both sides."""
+class Discontinuity(NamedTuple):
+    """Where a value may jump: in all of the ``boxes``, with the known facts about both sides."""
 
-    torn: np.ndarray | None = None  # (n,) which boxes; None for none
+    boxes: np.ndarray | None = None  # (n,) which boxes; None for none
     source: Formula | None = None  # the one node that causes these jumps, if there is one
     limits: tuple[float, float] | None = None  # the values on both sides, the same at all of them
     even: bool = False  # it only changes its sign: the absolute value does not jump
-    zero: Formula | None = None  # a node at whose jumps the value is 0, whether it is torn or not
+    zero: Formula | None = None  # a node at whose jumps the value is 0, whether it is discontinuous or not
 
 
-WHOLE = Tear()
+CONTINUOUS = Discontinuity()
 
 
 class Slope(NamedTuple):
@@ -37,12 +37,12 @@ class Slope(NamedTuple):
     gradient: Interval | None  # components (3, n); None if the value does not depend on the position
     norm: np.ndarray | float  # bound of the length of the gradient, often less than that of the components together
     parts: "tuple[Slope, ...] | None" = None  # the value is the sum of their squares; needed for a square root
-    tear: Tear = WHOLE
+    discontinuity: Discontinuity = CONTINUOUS
 
     @property
     def is_number(self) -> bool:
         """The same in all boxes."""
-        return self.gradient is None and self.tear.torn is None and self.value.is_number
+        return self.gradient is None and self.discontinuity.boxes is None and self.value.is_number
 
 
 def length_bound(gradient: Interval) -> np.ndarray:

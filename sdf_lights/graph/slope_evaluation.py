@@ -8,15 +8,25 @@ import numpy as np
 
 from .box_sides import SIGN, STEP, declared_inputs, find_sides, remainder_limits, taken_rows
 from .continuity import declared, joins
+from .discontinuity import (
+    any_of,
+    at_limits,
+    combined,
+    common_source,
+    discontinuous_choice,
+    either,
+    outside_domain,
+    with_limits,
+)
 from .formula import CONSTANT, PARAMETER, RESULT, STATE, VARIABLE, Formula
 from .interval_arithmetic import Condition, Interval
 from .interval_evaluation import Boxes, called
 from .operations import CONDITIONS
 from .slope import (
     ARITHMETIC,
-    WHOLE,
+    CONTINUOUS,
+    Discontinuity,
     Slope,
-    Tear,
     length_of,
     magnitude_of,
     scaled,
@@ -25,7 +35,6 @@ from .slope import (
     steepest_bound,
 )
 from .slope_rules import RULES, ZERO, square_parts, under_roots
-from .tears import any_of, at_limits, combined, common_source, either, outside_domain, torn_choice, with_limits
 
 
 class SlopeBoxes(Boxes):
@@ -43,7 +52,9 @@ class SlopeBoxes(Boxes):
         self.sides = find_sides(formula) if parts > 1 else {}
         self.rows = np.arange(len(low))  # the box of each row
         self.inputs = declared_inputs(formula)
-        self.torn_inputs: dict[Formula, np.ndarray | None] = {}  # (boxes,) in which of them each is torn
+        self.discontinuous_inputs: dict[
+            Formula, np.ndarray | None
+        ] = {}  # (boxes,) in which of them each is discontinuous
 
     def position(self, axis):
         direction = np.zeros((3, 1))
@@ -57,8 +68,8 @@ class SlopeBoxes(Boxes):
         return value.value
 
     def select(self, condition, then, otherwise):
-        tear = Tear(torn_choice(condition, then, otherwise, then is not otherwise))
-        return select_slope(condition, then, otherwise)._replace(tear=tear)
+        discontinuity = Discontinuity(discontinuous_choice(condition, then, otherwise, then is not otherwise))
+        return select_slope(condition, then, otherwise)._replace(discontinuity=discontinuity)
 
     def apply(self, node, operands):
         if node.kind in CONDITIONS:
@@ -75,8 +86,10 @@ class SlopeBoxes(Boxes):
         if domain is not None:
             low, high = (np.where(domain, end, bound) for end, bound in zip((-np.inf, np.inf), slope.gradient[:2]))
             slope = slope._replace(gradient=Interval(low, high), norm=np.where(domain, np.inf, slope.norm))
-        tear = self._tear(node, operands, condition)
-        return slope._replace(tear=self._rejoined(node, tear) if tear.torn is not None else tear)
+        discontinuity = self._discontinuity(node, operands, condition)
+        return slope._replace(
+            discontinuity=self._rejoined(node, discontinuity) if discontinuity.boxes is not None else discontinuity
+        )
 
     def call(self, node, operands):
         tables = node.value.tables
@@ -89,80 +102,90 @@ class SlopeBoxes(Boxes):
         if np.isfinite(most):
             units = [(np.maximum(low / most, -1.0), np.minimum(high / most, 1.0)) for low, high in bounds]
             norm = np.minimum(norm, most * steepest_bound(parts, units))
-        torn = None
+        discontinuous = None
         for part in parts:
-            torn = either(torn, part.tear.torn)
-        return Slope(value, gradient, norm, tear=Tear(torn))
+            discontinuous = either(discontinuous, part.discontinuity.boxes)
+        return Slope(value, gradient, norm, discontinuity=Discontinuity(discontinuous))
 
     def _compared(self, found: Condition, operands: list[Slope]) -> Condition:
-        """A condition on a torn value: a box counts as a whole, because the jump may be between its rows."""
-        torn = either(operands[0].tear.torn, operands[1].tear.torn)
-        if torn is None or not self.divided:
+        """A condition on a discontinuous value: a box counts as a whole, because the jump may be between its rows."""
+        discontinuous = either(operands[0].discontinuity.boxes, operands[1].discontinuity.boxes)
+        if discontinuous is None or not self.divided:
             return found
         n = len(self.rows)
         certain, possible = (np.broadcast_to(truth, n) for truth in found)
         whole = [self.whole(join, truth)[self.rows] for join, truth in ((np.minimum, certain), (np.maximum, possible))]
-        return Condition(np.where(torn, whole[0], certain), np.where(torn, whole[1], possible))
+        return Condition(np.where(discontinuous, whole[0], certain), np.where(discontinuous, whole[1], possible))
 
     @property
     def divided(self) -> bool:
         """Whether boxes have several rows."""
         return len(self.rows) > self.rows.max(initial=-1) + 1
 
-    def _tear(self, node: Formula, operands: list[Slope], condition: Condition | None) -> Tear:
-        """The tear of the value of an operation, from its operands."""
+    def _discontinuity(self, node: Formula, operands: list[Slope], condition: Condition | None) -> Discontinuity:
+        """The discontinuity of the value of an operation, from its operands."""
         kind, a = node.kind, operands[0]
         if condition is not None:
             jumps = kind == "select" and not joins(*node.operands)
-            torn = torn_choice(condition, a, operands[1], jumps)
-            if torn is None:
-                return WHOLE
+            discontinuous = discontinuous_choice(condition, a, operands[1], jumps)
+            if discontinuous is None:
+                return CONTINUOUS
             if not jumps:
-                return with_limits(Tear(torn, common_source(operands), at_limits(node, operands)))
+                return with_limits(Discontinuity(discontinuous, common_source(operands), at_limits(node, operands)))
             numbers = a.is_number and operands[1].is_number
             limits = (float(a.value.low), float(operands[1].value.low)) if numbers else None
-            return with_limits(Tear(torn, node if numbers else None, limits))
+            return with_limits(Discontinuity(discontinuous, node if numbers else None, limits))
         if kind == "floor":
-            torn = either(a.tear.torn, any_of(np.floor(a.value.low) != np.floor(a.value.high)))
+            discontinuous = either(a.discontinuity.boxes, any_of(np.floor(a.value.low) != np.floor(a.value.high)))
             sides = self.live[-1].get((node.operands[0], STEP))
-            torn = torn if sides is None else either(torn, any_of(sides != 0))
-            return WHOLE if torn is None else Tear(torn, node if a.tear.torn is None else None)
-        if kind == "subtract" and a.tear.torn is None and operands[1].tear.torn is not None:
+            discontinuous = discontinuous if sides is None else either(discontinuous, any_of(sides != 0))
+            return (
+                CONTINUOUS
+                if discontinuous is None
+                else Discontinuity(discontinuous, node if a.discontinuity.boxes is None else None)
+            )
+        if kind == "subtract" and a.discontinuity.boxes is None and operands[1].discontinuity.boxes is not None:
             floored = self._floored(*node.operands)
             if floored is not None:
-                return with_limits(operands[1].tear._replace(limits=remainder_limits(*floored), even=False, zero=None))
-        tear = combined(node, operands)
+                return with_limits(
+                    operands[1].discontinuity._replace(limits=remainder_limits(*floored), even=False, zero=None)
+                )
+        discontinuity = combined(node, operands)
         if kind == "atan2":
             y, x = a.value, operands[1].value
             cut = any_of((x.low <= 0.0) & (y.low < 0.0) & (y.high >= 0.0))
             if cut is not None:  # the gradient only records the centre
-                return Tear(cut, node, (-np.pi, np.pi), True) if tear.torn is None else Tear(either(tear.torn, cut))
-        return tear
+                return (
+                    Discontinuity(cut, node, (-np.pi, np.pi), True)
+                    if discontinuity.boxes is None
+                    else Discontinuity(either(discontinuity.boxes, cut))
+                )
+        return discontinuity
 
-    def _rejoined(self, node: Formula, tear: Tear) -> Tear:
-        """The tear that is left after the declarations about the formula."""
+    def _rejoined(self, node: Formula, discontinuity: Discontinuity) -> Discontinuity:
+        """The discontinuity that is left after the declarations about the formula."""
         about = declared(node)
         if about is None:
-            return tear
+            return discontinuity
         for number in about.whole:
             value = self._fixed(number)
             if value is None or not value.is_number or value.low != np.floor(value.low):
-                return tear
+                return discontinuity
         found = None
         for part in about.inputs:
-            found = either(found, self._torn_input(part))
+            found = either(found, self._discontinuous_input(part))
         if found is not None:
-            return tear._replace(torn=any_of(tear.torn & found))
-        return Tear(tear.torn, node, None, True) if about.even else WHOLE
+            return discontinuity._replace(boxes=any_of(discontinuity.boxes & found))
+        return Discontinuity(discontinuity.boxes, node, None, True) if about.even else CONTINUOUS
 
-    def _torn_input(self, node: Formula):
+    def _discontinuous_input(self, node: Formula):
         if node.kind in (VARIABLE, PARAMETER, CONSTANT):
             return None
         if node.kind == STATE:
-            return self.live[-1][node].tear.torn if node in self.live[-1] else np.True_
-        if node not in self.torn_inputs:  # it is not part of the formula: its parts are torn or not
+            return self.live[-1][node].discontinuity.boxes if node in self.live[-1] else np.True_
+        if node not in self.discontinuous_inputs:  # it is not part of the formula: its parts are discontinuous or not
             return np.True_
-        found = self.torn_inputs[node]
+        found = self.discontinuous_inputs[node]
         return None if found is None else found[self.rows]
 
     def _slope(self, node, operands, condition):
@@ -210,13 +233,13 @@ class SlopeBoxes(Boxes):
     def divide(self, node):
         if node.kind == RESULT:
             result = self.live[-1][node]
-            if result.tear.torn is not None:
-                self.live[-1][node] = result._replace(tear=self._rejoined(node, result.tear))
+            if result.discontinuity.boxes is not None:
+                self.live[-1][node] = result._replace(discontinuity=self._rejoined(node, result.discontinuity))
         if node in self.inputs and isinstance(self.live[-1].get(node), Slope):
-            found = self.live[-1][node].tear.torn
+            found = self.live[-1][node].discontinuity.boxes
             if found is not None:
                 found = self.whole(np.maximum, np.broadcast_to(found, len(self.rows)))
-            self.torn_inputs[node] = found
+            self.discontinuous_inputs[node] = found
         for pair in self.sides.get(node, ()):
             values = self.live[-1]
             if pair not in values and all(side in values for side in pair if isinstance(side, Formula)):

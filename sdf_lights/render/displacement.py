@@ -22,7 +22,7 @@ _CHUNK = 1 << 18  # number of vertices whose formulas are evaluated together
 _FLAT = 1e-5  # corner normals this close to the triangle's are the triangle's own
 
 
-class Habits(NamedTuple):
+class CyclesVersion(NamedTuple):
     """Differences between versions of Cycles. Before Blender 5.1 it tore meshes along sharp edges. Before 5.0, the bump
     of a mesh with only flat faces started from the displaced faces."""
 
@@ -30,7 +30,7 @@ class Habits(NamedTuple):
     bumps_moved_faces: bool = False
 
 
-def displace(scene: Scene, habits: Habits = Habits()) -> None:
+def displace(scene: Scene, version: CyclesVersion = CyclesVersion()) -> None:
     """Move the vertices of all meshes of ``scene`` whose materials ask for it. The images must be loaded.
 
     If other instances show the mesh with other materials, they get a separate copy.
@@ -49,7 +49,7 @@ def displace(scene: Scene, habits: Habits = Habits()) -> None:
             material = _materials_of(mesh, materials)
             if not np.isin(material, moving).any():
                 continue
-            moved = _displaced(scene, mesh, instances[0], material, moving, habits)
+            moved = _displaced(scene, mesh, instances[0], material, moving, version)
             if len(kinds) == 1:
                 scene.meshes[index] = moved
                 continue
@@ -65,9 +65,9 @@ def _materials_of(mesh: Mesh, materials: tuple[int, ...]) -> np.ndarray:
 
 
 def _displaced(
-    scene: Scene, mesh: Mesh, instance: Instance, material: np.ndarray, moving: list[int], habits: Habits
+    scene: Scene, mesh: Mesh, instance: Instance, material: np.ndarray, moving: list[int], version: CyclesVersion
 ) -> Mesh:
-    if habits.tears:
+    if version.tears:
         mesh = _torn(mesh)
     rows = np.flatnonzero(np.isin(material, moving))
     vertices, first = np.unique(mesh.triangles[rows].ravel(), return_index=True)
@@ -83,13 +83,13 @@ def _displaced(
             positions[vertices[used]] += np.where(np.isfinite(offsets), offsets, 0.0)
     moved = dataclasses.replace(mesh, positions=positions.astype(np.float32), attributes=dict(mesh.attributes))
     anew = np.isin(material, [index for index in moving if not scene.materials[index].keeps_normals])
-    moved.normals = _normals(mesh, moved.positions, anew, habits)
+    moved.normals = _normals(mesh, moved.positions, anew, version)
     if mesh.motion is not None:
         moved.motion = mesh.motion + (moved.positions - mesh.positions)
         forms = [
             dataclasses.replace(mesh, positions=form, normals=n) for form, n in zip(mesh.motion, _normals_over(mesh))
         ]
-        turned = [_normals(form, positions, anew, habits) for form, positions in zip(forms, moved.motion)]
+        turned = [_normals(form, positions, anew, version) for form, positions in zip(forms, moved.motion)]
         moved.motion_normals = np.stack(turned) if moved.normals is not None else None
     moved.tangents = {name: _along(tangents, moved.normals) for name, tangents in mesh.tangents.items()}
     moved.attributes[UNDISPLACED] = AttributeValues(Domain.VERTEX, mesh.positions)
@@ -166,7 +166,7 @@ def _torn(mesh: Mesh) -> Mesh:
     )
 
 
-def _normals(mesh: Mesh, positions: np.ndarray, anew: np.ndarray, habits: Habits) -> np.ndarray | None:
+def _normals(mesh: Mesh, positions: np.ndarray, anew: np.ndarray, version: CyclesVersion) -> np.ndarray | None:
     """(T, 3, 3) corner normals of a mesh whose vertices have moved to ``positions``. Those of the triangles ``anew``
     (T,) are computed again. The others stay, because their bump starts from there."""
     if mesh.normals is None:
@@ -185,7 +185,7 @@ def _normals(mesh: Mesh, positions: np.ndarray, anew: np.ndarray, habits: Habits
             turned = _vertex_normals(positions, mesh.triangles) - _vertex_normals(mesh.positions, mesh.triangles)
             result = mesh.normals.astype(np.float64)
             result[anew] = _unit(mesh.normals[anew] + turned[mesh.triangles[anew]])
-    moved = flat & (anew | (habits.bumps_moved_faces and mesh.normals is None))
+    moved = flat & (anew | (version.bumps_moved_faces and mesh.normals is None))
     if moved.all():
         return None
     result[moved] = _triangle_normals(positions, mesh.triangles[moved])[:, None]

@@ -38,7 +38,7 @@ class _Numbers:
     def next(self, pattern: re.Pattern = _NUMBER) -> float:
         found = pattern.match(self._text, self.place)
         if found is None:
-            raise IESError("it has fewer numbers than it promises, or other text among them")
+            raise IESError("it has fewer numbers than it announces, or text between them")
         self.place = found.end()
         return float(found.group(1))
 
@@ -48,7 +48,7 @@ class _Numbers:
     def row(self, count: int) -> np.ndarray:
         # At least two characters per number: a wrong count must not reserve memory.
         if not 0 < count <= (len(self._text) - self.place) // 2 + 1:
-            raise IESError(f"it says that it has {count} angles or values in a row")
+            raise IESError(f"it says that it has {count} angles or values in one row")
         return np.array([self.next() for _ in range(count)])
 
 

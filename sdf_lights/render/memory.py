@@ -27,7 +27,7 @@ def available() -> int | None:
         return None
 
 
-def give_back() -> None:
+def trim_heap() -> None:
     """Return freed memory to the system. On Linux, the C library keeps it for each thread, up to the peak of the
     thread, and other programs cannot use it. Takes some milliseconds."""
     if sys.platform.startswith("linux"):

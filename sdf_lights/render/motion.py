@@ -127,7 +127,7 @@ def _blend_values(old, new, part: float):
     return float(mixed) if isinstance(old, float) else mixed
 
 
-def thing_at(thing, time: float):
+def object_at(thing, time: float):
     """A lamp, a light or the camera at a time, without motion."""
     if not thing.motion:
         return thing
@@ -159,15 +159,15 @@ def at(scene: Scene, time: float, chosen: np.ndarray | None = None) -> Scene:
         instances[index] = _instance_at(instances[index], time)
     for index in {instances[index].mesh for index in indices}:
         meshes[index] = _mesh_at(meshes[index], time)
-    return dataclasses.replace(scene, meshes=meshes, instances=instances, shutter=None, **lit_at(scene, time))
+    return dataclasses.replace(scene, meshes=meshes, instances=instances, shutter=None, **lighting_at(scene, time))
 
 
-def lit_at(scene: Scene, time: float) -> dict:
+def lighting_at(scene: Scene, time: float) -> dict:
     """Camera, lamps and lights at a time."""
     return {
-        "camera": thing_at(scene.camera, time),
-        "lamps": [thing_at(lamp, time) for lamp in scene.lamps],
-        "lights": [thing_at(light, time) for light in scene.lights],
+        "camera": object_at(scene.camera, time),
+        "lamps": [object_at(lamp, time) for lamp in scene.lamps],
+        "lights": [object_at(light, time) for light in scene.lights],
     }
 
 

@@ -26,10 +26,6 @@ The picture has no bias. What branches bring is averaged over all branches of a 
 samples. The numbers of both depend on the samples of neighbours, not on the pixel's own. A median or a mean over the
 picture counts a pixel as one of all.
 
-What neighbours show is noisy, most of all with few samples and rare light. All pixels whose neighbours show the same
-therefore share one expectation: the mean of the noise that these pixels have themselves. So a pixel whose neighbours
-have met no light does not count as clean, if similar pixels have met some.
-
 The exponent a is that of the whole picture. It is measured by the difference of two halves: the samples up to the last
 update, and as many since. Where samples are stratified well, as with lamps, edges and textures, a is greater than 1,
 and branches pay. Where they do little, as with many lights, leaves or fog, more samples pay.
@@ -46,35 +42,34 @@ import numpy as np
 from .film import Film
 from .settings import MOST_BRANCHES, Settings
 
+# Figures are error × time without a term, or with another value, over that with it: see the tables of docs/sampling.md.
 FIRST_UPDATE = 2  # samples before the first update: the fewest that scatter; each later update is at twice as many
-PATCH = 4  # side, in pixels, of a patch whose differences are summed: most patches have no edge
-BANDS, FIRST_BAND = 8, 3  # one row of patches of 8, the fourth, takes its first sample before the others
-# Figures are error × time without a term, over that with it: see the tables of docs/sampling.md. C, in surfaces that a
-# branch meets: 0.7 to 1.8 were measured, and 2 more where a light ray needs the boxes of a lamp. The least is used,
-# because the best of noisy estimates makes branches look too good. Without the 2: 1.45 under lamps.
+PATCH = 4  # side, in pixels, of a patch whose differences are summed: most patches have no edge. With 2: 1.0 to 1.2
+BANDS = 8  # one row of patches of 8 takes its first sample before the others. One of 4: 1.0 to 1.4
+# C, in surfaces that a branch meets: 0.7 to 1.8 were measured, and 2 more where a light ray needs the boxes of a lamp.
+# The least is used, because the best of noisy estimates makes branches look too good. Without the 0.7: 0.9 to 1.4.
+# Without the 2: 1.45 under lamps.
 COST, CUT_COST = 0.7, 2.0
 # Branches of pixels that show how branches scatter: of all pixels at first, later of this part of them, which costs 1
 # %. Without them: 1.06 to 1.17 in ordinary scenes.
-TELLING, PART = 2, 1.0 / 32.0
+PROBE_BRANCHES, PROBE_FRACTION = 2, 1.0 / 32.0
 # Parts of error × time that must be left where paths divide, and where pixels take different numbers of samples. The
 # estimate for splitting is 0.3 to 0.7 under lamps. In ordinary scenes it is 0.8 to 1, and splitting gains nothing.
 # Without: 1.1 to 1.2 there.
 SPLITTING_GAIN, GUIDANCE_GAIN = 0.8, 0.9
 MOST_POWER = 2.0  # a is between that of independent samples, 1, and this; without: 1.05 under lamps
-PRIOR = (
-    16.0  # weight, in pixels, of what the neighbours show; 4 and 64 give the same error. Neighbours alone: 0.9 to 1.05
-)
-FLOOR = 0.01  # part of the mean square brightness that is added to the squares which errors are relative to
+# Part of the mean square brightness that is added to the squares which errors are relative to. It defines the error.
+FLOOR = 0.01
 # Limits of the number of samples, relative to the one that is set; the lower one is rounded down to a power of two. The
 # upper one is at most the number of samples so far, because few samples show little. With 2: up to 1.24 where light is
-# rare.
+# rare. With a quarter as the lower one: 1.0 to 1.1.
 LEAST_RATE, MOST_RATE = 0.5, 8.0
 BRANCHES = tuple(1 << power for power in range(MOST_BRANCHES.bit_length()))
-LEVELS = 2  # levels of D and I for each power of two: pixels of the same levels are treated alike
-LEAST = 2.0**-24  # the least D and I, relative to the greatest
-LOWEST = 1 - int(LEVELS * np.log2(LEAST))
+LEAST = 2.0**-24  # the least D and I, relative to the greatest: beyond it, they change no choice
+LEVELS = 1 - int(np.log2(LEAST))  # powers of two of D and I: pixels with the same ones are treated alike
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)  # its multiples spread evenly
-# Weights of neighbours along each axis: D varies more sharply than I. With NEXT for all: up to 1.5.
+# Weights of neighbours along each axis: D varies more sharply than I. With NEXT for all: up to 1.5. With NEAR instead
+# of FAR: 0.9 to 1.2. With FAR instead of NEAR: 0.8 to 2.4.
 NEXT, NEAR, FAR = (tuple(float(math.comb(2 * reach, place)) for place in range(2 * reach + 1)) for reach in (1, 2, 4))
 
 
@@ -84,13 +79,13 @@ def first_pixels(film: Film, settings: Settings) -> np.ndarray | None:
     if settings.indirect_paths or settings.max_bounces == 0:
         return None
     band = np.arange(film.height) // PATCH
-    return np.repeat(band % BANDS == min(FIRST_BAND, band[-1]), film.width).astype(film.active.dtype)
+    return np.repeat(band % BANDS == min(BANDS // 2, band[-1]), film.width).astype(film.active.dtype)
 
 
 def divide(film: Film, settings: Settings) -> None:
     """Set ``film.branches`` by the first sample of some pixels. More than one, if later samples are to tell more."""
     if film.divided[:, 2].any():
-        film.branches[:] = max(_branches_by_one(film), TELLING if settings.samples > 1 else 1)
+        film.branches[:] = max(_branches_by_one(film), PROBE_BRANCHES if settings.samples > 1 else 1)
 
 
 def update(film: Film, settings: Settings) -> None:
@@ -114,10 +109,10 @@ def update(film: Film, settings: Settings) -> None:
     samples = min(film.next_update, settings.samples)
     rates = _rates(samples, min(MOST_RATE, film.samples)) if guided else (1.0,)
     branches = BRANCHES if divides else (film.branches[known].mean(),)
-    alike = _alike(_levels(noise.first), _levels(noise.second), film.count, known)
+    groups = _grouped(_levels(noise.first), _levels(noise.second), film.count, known)
 
     def best(rates, branches) -> tuple[float, np.ndarray, np.ndarray]:
-        rate, count = _best(noise, alike, samples, rates, branches)
+        rate, count = _best(noise, groups, samples, rates, branches)
         return _cost(noise, film.count, samples, rate, count), rate, count
 
     found = best(rates, branches)
@@ -133,7 +128,9 @@ def update(film: Film, settings: Settings) -> None:
     film.rate[known] = rate[known]
     if divides:
         film.branches[known] = count[known]
-        film.branches[(even_numbers(len(known)) < PART) & (film.branches < TELLING)] = TELLING
+        film.branches[(golden_ratio_sequence(len(known)) < PROBE_FRACTION) & (film.branches < PROBE_BRANCHES)] = (
+            PROBE_BRANCHES
+        )
 
 
 def samples_left(film: Film) -> int:
@@ -206,19 +203,17 @@ def _noise(film: Film, known: np.ndarray) -> _Noise | None:
     informed = known & ((freedom > 0.0) | (not freedom.any()))
     branch = of_branches / np.maximum(freedom, 1.0)
     part = film.divided[:, 3] / count
-    brightness = _around(before, known, shape, NEXT) + _around(after, known, shape, FAR)
+    brightness = _neighbour_means(before, known, shape, NEXT) + _neighbour_means(after, known, shape, FAR)
     mean = np.mean((before + after)[known])
     weight = 1.0 / np.maximum(brightness**2 + FLOOR * mean**2, 1e-30)
 
-    def expected(found: np.ndarray, amount: np.ndarray, reach, levels: np.ndarray | None = None) -> np.ndarray:
-        told = _around(found, amount, shape, reach) * weight
-        return _expected(found * weight, told, amount, _levels(told) if levels is None else levels)
+    def neighbours(values: np.ndarray, amount: np.ndarray, kernel) -> np.ndarray:
+        return _neighbour_means(values, amount, shape, kernel) * weight
 
-    first, second = np.maximum(expected(variance, known, NEXT), 0.0), expected(branch, informed, NEAR)
+    first, second = np.maximum(neighbours(variance, known, NEXT), 0.0), neighbours(branch, informed, NEAR)
     # What the scatter of branches does not explain falls with the number of samples alone. Where it explains too much,
     # branches are stratified, and scatter by as much less.
-    levels = _levels(np.maximum(_around(rest, known, shape, NEAR) * weight, 0.0))
-    excess = expected(rest - part * branch, informed, NEAR, levels)
+    excess = neighbours(rest - part * branch, informed, NEAR)
     first = first + np.maximum(excess, 0.0)
     second = np.maximum(second + np.minimum(excess, 0.0) / np.maximum(part, 1e-9), 0.0)
     if not (first.any() or second.any()):
@@ -245,27 +240,16 @@ def _power(film: Film, known: np.ndarray, sums: np.ndarray, variance: np.ndarray
     return float(np.clip(1.0 - np.log(max(found / expected, 1e-6)) / np.log(size), 1.0, MOST_POWER))
 
 
-def _expected(found: np.ndarray, told: np.ndarray, amount: np.ndarray, levels: np.ndarray) -> np.ndarray:
-    """(pixels,) means of ``found`` over all other pixels of the same level, each counted by its ``amount``. ``told`` is
-    what neighbours show of it."""
-    amount = amount.astype(float)
-    count, total, before = (
-        np.bincount(levels, values * amount, LOWEST)[levels] for values in (np.ones(len(found)), found, told)
-    )
-    prior = before / np.maximum(count, 1e-9)
-    return (total - found * amount + PRIOR * prior) / (count - amount + PRIOR)
-
-
 def _light(film: Film) -> tuple[np.ndarray, np.ndarray]:
     """(pixels,) sums of R + G + B of all samples: before paths divide, and of branches."""
     return tuple(film.sums[name].reshape(len(film.count), -1)[:, :3].sum(axis=1) for name in ("combined", "scattered"))
 
 
-def _best(noise: _Noise, alike, samples: int, rates, branches) -> tuple[np.ndarray, np.ndarray]:
-    """(pixels,) the best of the given rates and branches; rate 1 is ``samples`` samples. ``alike``: what ``_alike``
+def _best(noise: _Noise, groups, samples: int, rates, branches) -> tuple[np.ndarray, np.ndarray]:
+    """(pixels,) the best of the given rates and branches; rate 1 is ``samples`` samples. ``groups``: what ``_grouped``
     gives."""
-    kinds, of_pixel, pixels = alike
-    d, i = (2.0 ** (-level / LEVELS) * values.max() for level, values in zip(kinds, (noise.first, noise.second)))
+    kinds, of_pixel, pixels = groups
+    d, i = (2.0**-level * values.max() for level, values in zip(kinds, (noise.first, noise.second)))
     choices = np.array(list(itertools.product(rates, branches)))
     number = np.maximum(samples * choices[:, :1], kinds[2])
     error = d * number**-noise.power + i / (number * choices[:, 1:])
@@ -291,7 +275,7 @@ def _best(noise: _Noise, alike, samples: int, rates, branches) -> tuple[np.ndarr
     more, fewer = best(start * 2.0**low), best(start * 2.0**high)
     # All pixels of a kind would change at one price. To meet the number of samples, only some change, spread evenly.
     part = (samples * pixels.sum() - taken(fewer)) / max(taken(more) - taken(fewer), 1.0)
-    return tuple(choices[np.where(even_numbers(len(of_pixel)) < part, more[of_pixel], fewer[of_pixel])].T)
+    return tuple(choices[np.where(golden_ratio_sequence(len(of_pixel)) < part, more[of_pixel], fewer[of_pixel])].T)
 
 
 def _cost(noise: _Noise, count: np.ndarray, samples: int, rate: np.ndarray, branches: np.ndarray) -> float:
@@ -302,36 +286,36 @@ def _cost(noise: _Noise, count: np.ndarray, samples: int, rate: np.ndarray, bran
     return float(error[noise.known].sum() * time[noise.known].sum())
 
 
-def even_numbers(number: int) -> np.ndarray:
+def golden_ratio_sequence(number: int) -> np.ndarray:
     """(number,) numbers below 1, those of neighbours evenly spread."""
     values = np.arange(number) * GOLDEN
     return values - np.floor(values)
 
 
 def _levels(values: np.ndarray) -> np.ndarray:
-    """Logarithms of values below the greatest one, as whole numbers below ``LOWEST``."""
+    """How many powers of two values are below the greatest one, as whole numbers below ``LEVELS``."""
     most = values.max()
     if most <= 0.0:
         return np.zeros(len(values), np.int64)
-    return np.rint(-LEVELS * np.log2(np.maximum(values / most, LEAST))).astype(np.int64)
+    return np.rint(-np.log2(np.maximum(values / most, LEAST))).astype(np.int64)
 
 
-def _alike(first: np.ndarray, second: np.ndarray, count: np.ndarray, known: np.ndarray):
+def _grouped(first: np.ndarray, second: np.ndarray, count: np.ndarray, known: np.ndarray):
     """Kinds of pixels, (3, kinds) of what is given, the kind of each pixel, and how many known pixels each kind has.
 
     Counted in tables: to sort millions of pixels would take seconds.
     """
     counts = np.flatnonzero(np.bincount(count))
-    keys = (np.searchsorted(counts, count) * LOWEST + first) * LOWEST + second
+    keys = (np.searchsorted(counts, count) * LEVELS + first) * LEVELS + second
     found = np.bincount(keys)
     keys_found = np.flatnonzero(found)
     found[keys_found] = range(len(keys_found))
     of_pixel = found[keys]
-    kinds = np.stack([keys_found // LOWEST % LOWEST, keys_found % LOWEST, counts[keys_found // LOWEST**2]])
+    kinds = np.stack([keys_found // LEVELS % LEVELS, keys_found % LEVELS, counts[keys_found // LEVELS**2]])
     return kinds, of_pixel, np.bincount(of_pixel, known, len(keys_found))
 
 
-def _around(values: np.ndarray, amount: np.ndarray, shape: tuple[int, int], weights) -> np.ndarray:
+def _neighbour_means(values: np.ndarray, amount: np.ndarray, shape: tuple[int, int], weights) -> np.ndarray:
     """Means of the values around each pixel, each counted by its ``amount``, without its own; 0 where there are
     none."""
     reach, own = len(weights) // 2, max(weights) ** 2

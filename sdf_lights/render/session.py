@@ -139,7 +139,7 @@ def _render(
     film = Film(scene, passes)
     renderer = back_end(scene, film, cancelled, lambda text: on_progress(Progress(text, memory=process_memory())))
     film.made_by = renderer.name
-    memory.give_back()
+    memory.trim_heap()
     sampling_started = time.perf_counter()
     next_update = sampling_started + FIRST_UPDATE
     deadline = sampling_started + settings.time_limit if settings.time_limit > 0.0 else math.inf

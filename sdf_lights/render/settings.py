@@ -112,7 +112,7 @@ class Settings:
     lamp_paths: LampPaths = _setting(
         LampPaths.AUTOMATIC,
         "Trace paths from the SDF lamps, too, and connect them to those from the camera. This gives less noise where walls "
-        "pass on the light of hidden lamps. Automatic measures whether it pays. Only on the CPU and in final "
+        "scatter the light of hidden lamps. Automatic measures whether it pays. Only on the CPU and in final "
         "renders",
         label="Paths from Lamps",
     )

@@ -26,7 +26,7 @@ from sdf_lights.emitter.lamps import SCALARS, TABLES, intensity, lamps, radiance
 from sdf_lights.emitter.primitives.disk import disk_point
 from sdf_lights.emitter.sampling import cut as cuts
 from sdf_lights.emitter.sampling.cut import BOXES, CUT, KEYS, REGIONS
-from sdf_lights.emitter.sampling.projection import direction_pdf, sample_direction, way_inside
+from sdf_lights.emitter.sampling.projection import direction_pdf, interior_offset, sample_direction
 from sdf_lights.jit import block_dtype, fill_table, kernel, table
 from sdf_lights.sdf.emission import Emission, EmissionExpression
 from sdf_lights.vec import add, dot, frame, madd, normalize, to_world
@@ -111,7 +111,7 @@ def cosine_directions(block, lamp, x, n, u, spans, shell):
 @kernel
 def point_in_volume(block, lamp, x, n, u, spans, shell):
     """A uniform point of the lamp, treated as a point light; its variance is infinite if x is inside."""
-    way = way_inside(block, lamp, x, u[2], u[3], u[4])
+    way = interior_offset(block, lamp, x, u[2], u[3], u[4])
     square = dot(way, way)
     cosine = max(dot(n, normalize(way)), 0.0)
     return intensity(block, lamp)[0] * profile(add(x, way), shell) * cosine / square if square > 0.0 else 0.0
@@ -169,7 +169,7 @@ def resampled(block, lamp, x, n, u, spans, shell):
     for candidate in range(CANDIDATES):
         p = (u[2], u[3], u[4]) if candidate == 0 else uniform_point(state)
         state = following(state)
-        way = way_inside(block, lamp, x, p[0], p[1], p[2])
+        way = interior_offset(block, lamp, x, p[0], p[1], p[2])
         square = dot(way, way)
         weight = max(dot(n, normalize(way)), 0.0) / square if square > 0.0 else 0.0
         total += weight

@@ -183,7 +183,7 @@ def compositor(file):
 @pytest.fixture
 def pictures(file, tmp_path):
     """Function: render, and read back {layer: {pass: (height, width, channels)}} with row 0 at the bottom."""
-    openimageio = pytest.importorskip("OpenImageIO")
+    openexr = pytest.importorskip("support.openexr")
 
     def run():
         settings, path = file.scene.render.image_settings, tmp_path / "picture.exr"
@@ -192,25 +192,7 @@ def pictures(file, tmp_path):
         settings.file_format, settings.color_depth = "OPEN_EXR_MULTILAYER", "32"
         file.scene.render.filepath = str(path)
         bpy.ops.render.render(write_still=True)
-        found: dict = {}
-        image = openimageio.ImageInput.open(str(path))
-        part = 0
-        while image.seek_subimage(part, 0):
-            spec, pixels = image.spec(), image.read_image(openimageio.FLOAT)
-            window = np.zeros((spec.full_height, spec.full_width, spec.nchannels), np.float32)
-            window[spec.y : spec.y + spec.height, spec.x : spec.x + spec.width] = pixels
-            for i, channel in enumerate(spec.channelnames):
-                layer, name, component = channel.split(".")[-3:]
-                found.setdefault(layer, {}).setdefault(name, []).append((component, window[::-1, :, i]))
-            part += 1
-        order = "XYZWUVRGBArgba"
-        return {
-            layer: {
-                name: np.stack([values for _, values in sorted(channels, key=lambda item: order.index(item[0]))], -1)
-                for name, channels in passes.items()
-            }
-            for layer, passes in found.items()
-        }
+        return openexr.read_passes(path)
 
     return run
 

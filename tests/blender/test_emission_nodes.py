@@ -192,9 +192,9 @@ def test_parameters_of_shape_and_emission_are_one_set(made, data, glow):
     data["sdf_size"], data["sdf_glow"] = 0.25, 5.0
     assert shape_of(data.sdf_lamp) == Sphere(0.25) and colours(pattern_of(data.sdf_lamp))[0, 0] == 5.25
     other.parameter = "depth"
-    assert "depth has a meaning of its own" in problems(made)[other.name]
+    assert "depth has a special meaning" in problems(made)[other.name]
     other.parameter, other.default = "size", 1.0
-    assert "declares size otherwise" in problems(made)[other.name]
+    assert "declares size differently" in problems(made)[other.name]
 
 
 def test_colours_go_in_and_out_of_groups(made, glow):

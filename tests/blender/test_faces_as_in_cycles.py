@@ -28,7 +28,7 @@ def lit(file, add, material):
     return run
 
 
-def same(ours: np.ndarray, theirs: np.ndarray, most: float = 0.01) -> None:
+def assert_means_agree(ours: np.ndarray, theirs: np.ndarray, most: float = 0.01) -> None:
     """The means of the pictures, and of blocks of 4 × 4 pixels, agree."""
     ours, theirs = ours[..., :3].mean(-1), theirs[..., :3].mean(-1)
     assert theirs.mean() > 0.0
@@ -49,7 +49,7 @@ def test_normal_maps_of_scaled_flat_faces(render, lit, add, quad, material, inst
     lit(mesh, (0.3, 0.9, 0.0), scale=(4.0, 2.5, 1.0), location=(0.0, 0.0, -0.5))
     if instances > 1:
         add("Other", mesh, (0.0, 4.0, 1.0), (1.2, 0.3, 0.0), (5.0, 1.5, 1.0))
-    same(*render(64))
+    assert_means_agree(*render(64))
 
 
 @pytest.mark.parametrize("together", [True, False])
@@ -68,11 +68,11 @@ def test_faces_in_the_same_place_hide_light_from_each_other(render, lit, add, to
         add("Other", other, rotation=(tilt, 0.0, 0.0))
     ours, theirs = render(64)
     if tilt == 0.0:
-        same(ours, theirs)
+        assert_means_agree(ours, theirs)
         lit_side, dark_side = ours[:7, 14:22, 0].mean(), ours[:7, 2:10, 0].mean()
         assert dark_side < 0.02 * lit_side
     else:
-        same(ours[:, 13:].repeat(24, 1)[:, :24], theirs[:, 13:].repeat(24, 1)[:, :24])
+        assert_means_agree(ours[:, 13:].repeat(24, 1)[:, :24], theirs[:, 13:].repeat(24, 1)[:, :24])
 
 
 @pytest.mark.parametrize("instances", [1, 2])
@@ -84,9 +84,9 @@ def test_light_ends_smoothly_on_smooth_faces(file, render, lit, add, instances):
     objects = [lit(mesh, (math.pi / 2, 0.0, -2.0), location=(0.0, 0.0, 1.0), scale=(1.0, 1.2, 0.8))]
     objects += [add("Other", mesh, (9.0, 30.0, 1.0)) for _ in range(instances - 1)]
     ours, theirs = render(512)
-    same(ours, theirs)
+    assert_means_agree(ours, theirs)
     for each in objects:
         each.shadow_terminator_geometry_offset = 0.0
     plain = render(512)
-    same(*plain)
+    assert_means_agree(*plain)
     assert theirs[..., 0].mean() > 1.05 * plain[1][..., 0].mean()  # it makes a difference

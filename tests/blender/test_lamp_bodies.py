@@ -38,7 +38,7 @@ def test_blender_has_no_place_for_operators_of_the_names_of_its_own(registered):
 
 
 @pytest.fixture
-def same(add, lamp, file):
+def change_stays_in_place(add, lamp, file):
     """Function: apply a change to a lamp with this text or primitive, and say whether shape and pattern stay in the
     world."""
 
@@ -82,8 +82,8 @@ def same(add, lamp, file):
         dict(text="r = slider(0.4, 0.1, 2)\nn = slider(2, 1, 5)\nsphere(r) - box(r / n)", scale=(1.5, 1.5, 1.5)),
     ],
 )
-def test_a_scale_becomes_sizes(same, about):
-    assert tuple(same(apply_scale, **about).scale) == (1.0, 1.0, 1.0)
+def test_a_scale_becomes_sizes(change_stays_in_place, about):
+    assert tuple(change_stays_in_place(apply_scale, **about).scale) == (1.0, 1.0, 1.0)
 
 
 @pytest.mark.parametrize(
@@ -95,17 +95,17 @@ def test_a_scale_becomes_sizes(same, about):
         (dict(shape="BOX", scale=(1.0, 2.0, 1.0), emission="CORE"), "pattern"),
     ],
 )
-def test_a_scale_that_cannot_become_sizes_stays_with_the_reason(same, about, words):
+def test_a_scale_that_cannot_become_sizes_stays_with_the_reason(change_stays_in_place, about, words):
     with pytest.raises(RenderError, match=words):
-        same(apply_scale, **about)
+        change_stays_in_place(apply_scale, **about)
     assert tuple(bpy.data.objects["Lamp"].scale) == pytest.approx(about["scale"])
 
 
 @pytest.mark.parametrize(
     "about", [dict(shape="HEMISPHERE"), dict(text="q = p - (1, 0, 0)\nfield(length(q) - 0.5) & box(5)  # a ball")]
 )
-def test_the_origin_comes_to_the_middle_of_the_body(same, about):
-    obj = same(origin_to_geometry, **about)
+def test_the_origin_comes_to_the_middle_of_the_body(change_stays_in_place, about):
+    obj = change_stays_in_place(origin_to_geometry, **about)
     points = points_of(shape_of(obj.data.sdf_lamp))
     assert points.min(axis=0) + points.max(axis=0) == pytest.approx([0.0, 0.0, 0.0], abs=0.02)
     assert origin_to_geometry(obj) is False

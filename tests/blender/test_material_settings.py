@@ -10,7 +10,7 @@ pytest.importorskip("_cycles")
 
 
 @pytest.fixture
-def same(file, render):
+def agrees_with_cycles(file, render):
     """Function: the pictures of both engines have the same means, also in parts of the picture. Gives ours."""
 
     def run(samples: int) -> np.ndarray:
@@ -68,7 +68,7 @@ def sky(file, varies: bool):
 
 
 @pytest.mark.parametrize("lit", ["small", "large", "sky", "bright side"])
-def test_transparent_shadows(sheet, same, add, file, lit):
+def test_transparent_shadows(sheet, agrees_with_cycles, add, file, lit):
     """Without them a transparent sheet lets no light of lamps through, but the camera and mirrors see through it. What
     scattered rays find counts as in Cycles, too: all light of a sky of one colour, and a part of other light."""
     made, node = sheet
@@ -81,13 +81,13 @@ def test_transparent_shadows(sheet, same, add, file, lit):
     else:
         sky(file, lit != "sky")
     file.scene.cycles.max_bounces = 3
-    clear = same(256)
+    clear = agrees_with_cycles(256)
     made.use_transparent_shadow = False
-    assert (same(512).mean((0, 1)) < (1.01 if lit == "sky" else 0.97) * clear.mean((0, 1)))[:3].all()
+    assert (agrees_with_cycles(512).mean((0, 1)) < (1.01 if lit == "sky" else 0.97) * clear.mean((0, 1)))[:3].all()
 
 
 @pytest.mark.parametrize("roughness", [0.5, 1.0])
-def test_bump_map_correction(sheet, same, add, file, roughness):
+def test_bump_map_correction(sheet, agrees_with_cycles, add, file, roughness):
     """Without it, bumps are brighter where light grazes the surface. Glossy ones keep normals that mirror the view into
     the surface."""
     made, node = sheet
@@ -117,6 +117,6 @@ def test_bump_map_correction(sheet, same, add, file, roughness):
     light(add, "AREA", (2.5, -2.5, 0.6), 150.0, size=0.5)
     bpy.data.objects["Area.001"].rotation_euler = 1.4, 0.0, 0.8
     samples = 4096 if roughness < 1.0 else 512  # Cycles' metal is noisy: 1.4 % with 512
-    corrected = same(samples)
+    corrected = agrees_with_cycles(samples)
     made.cycles.use_bump_map_correction = False
-    assert np.abs(same(samples).mean((0, 1)) / corrected.mean((0, 1)) - 1.0)[:3].min() > 0.02
+    assert np.abs(agrees_with_cycles(samples).mean((0, 1)) / corrected.mean((0, 1)) - 1.0)[:3].min() > 0.02

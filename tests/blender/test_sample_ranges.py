@@ -223,4 +223,4 @@ def test_a_movie_is_made_as_the_scene_shows_it(file, pictures, tmp_path, capsys)
     assert "there is no picture" in capsys.readouterr().out
     (tmp_path / "text.exr").write_text("no picture")
     assert movie.command([str(out), blend, str(tmp_path / "text.exr")]) == 1
-    assert "text.exr is no picture" in capsys.readouterr().out
+    assert "text.exr is not a picture" in capsys.readouterr().out

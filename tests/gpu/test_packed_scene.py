@@ -101,8 +101,8 @@ def test_one_program_for_all_times():
     scene = scenes.moving(8, 6)
     first, second = packed(scene, 0.2), packed(scene, 0.7)
     source = first.source()
-    assert first.suits(second) and second.source() == source
+    assert first.shares_program_with(second) and second.source() == source
     words = [part.tables.pack(part.scalars)[0] for part in (first, second)]
     assert not np.array_equal(*words)
     scene.lamps.pop()
-    assert not first.suits(packed(scene, 0.2))
+    assert not first.shares_program_with(packed(scene, 0.2))

@@ -151,36 +151,6 @@ def test_nothing_is_to_be_told_where_paths_divide_as_set_or_never(changes):
     assert sample_allocation.first_pixels(Film(scene, ()), scene.settings) is None
 
 
-def test_light_that_no_branch_has_found_yet_is_looked_for():
-    """Where a pixel and its neighbours have met no light it is looked for if others like them have met some."""
-
-    def looked(rare: float) -> float:
-        """Branches of pixels in a dark half of the picture whose neighbours have met nothing."""
-        film = Film(room(), ())
-        film.samples, film.next_update = 4, 4
-        film.count[:], film.divided[:] = 4, (16.0, 8.0, 16.0, 1.0, 4.0)
-        rng = np.random.default_rng(5)
-        shape = 4, 4, SIZE, SIZE  # samples, and branches of each
-        found = np.where(rng.random(shape) < rare / 4.0, 20.0, 0.0)
-        found[..., SIZE // 2 :] = 2.0 * rng.standard_normal(shape)[..., SIZE // 2 :]
-        reach = np.lib.stride_tricks.sliding_window_view(np.pad(found[..., : SIZE // 2].any(axis=(0, 1)), 2), (5, 5))
-        nothing = np.zeros((SIZE, SIZE), bool)
-        nothing[:, : SIZE // 2 - 2] = ~reach.any(axis=(2, 3))[:, : SIZE // 2 - 2]
-        before = 1.0 + 0.05 * rng.standard_normal((4, SIZE * SIZE))
-        found = found.reshape(4, 4, -1)
-        whole = before + found.mean(1)
-        film.sums["combined"].reshape(-1, 4)[:, 0] = before.sum(0)
-        film.sums["scattered"].reshape(-1, 3)[:, 0] = found.sum((0, 1))
-        sums = (before**2).sum(0), (whole**2).sum(0), whole.sum(0), 4.0 * found.var(1).sum(0)
-        film.squares[:] = np.stack(sums, axis=-1)
-        sample_allocation.update(film, room(samples=64).settings)
-        assert nothing.sum() > 40
-        return float((film.branches * film.rate)[nothing.ravel()].mean())
-
-    never, seldom = looked(0.0), looked(0.01)
-    assert seldom > 4.0 * never, (seldom, never)
-
-
 def test_a_row_of_pixels_divides():
     scene = dataclasses.replace(room(samples=4), width=2, height=1)
     assert session.render(scene, ()).divided[:, 2].any()

@@ -48,12 +48,25 @@ def test_summary_tells_lamps_from_other_scenes():
 @pytest.mark.parametrize("term", allocation.TERMS)
 def test_what_a_term_switches_off_exists(term):
     from sdf_lights.render import sample_allocation
+    from sdf_lights.render.cpu import path_splitting
     from sdf_lights.render.settings import Settings
 
     _, settings, values = allocation.TERMS[term]
     assert settings or values
     assert all(hasattr(Settings(), name) for name in settings)
-    assert all(hasattr(sample_allocation, name) for name in values)
+    assert all(hasattr(sample_allocation, name) != hasattr(path_splitting, name) for name in values)
+
+
+def test_constants_of_kernels_reach_them():
+    """Constants of ``path_splitting`` are compiled into the kernel of a tile and those that it calls."""
+    from sdf_lights.render.cpu import path_splitting
+
+    tile = allocation._tile(path_splitting, (("CONNECTION_COST", 0.25), ("LEAST_SURVIVAL", 0.5)))
+    branches = tile.__wrapped__.__globals__["trace_branches"]
+    roulette = branches.__wrapped__.__globals__["roulette_branches"]
+    assert branches.__wrapped__.__globals__["CONNECTION_COST"] == 0.25
+    assert roulette.__wrapped__.__globals__["LEAST_SURVIVAL"] == 0.5
+    assert path_splitting.LEAST_SURVIVAL != 0.5 and tile.__name__ != path_splitting.render_tile.__name__
 
 
 def noise(first: float, second: float):

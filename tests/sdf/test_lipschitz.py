@@ -113,7 +113,7 @@ _TURN = f.apply("atan2", y, x + 0.001)
 
 
 @pytest.mark.parametrize(
-    "formula, sides, tears",
+    "formula, sides, jumps",
     [
         (x - f.apply("floor", x), 1.0, True),
         (abs(x - f.apply("floor", x) - 0.5), 1.0, False),  # the same on both sides of each step
@@ -130,29 +130,29 @@ _TURN = f.apply("atan2", y, x + 0.001)
         (f.select(x < 0.5, x * x, x - 0.25), 2.0, False),  # a polynomial that goes on smoothly
         (f.select(x < 0.5, x * x, x - 0.2), 2.0, True),
         (f.select(x < 2.0, 2.0 * x, 3.0 * y), 2.0, False),  # decided in all of the box
-        (f.minimum(f.select(x < 0.0, 5.0, 6.0), y), 1.0, False),  # the tear is not what the minimum takes
+        (f.minimum(f.select(x < 0.0, 5.0, 6.0), y), 1.0, False),  # the discontinuity is not what the minimum takes
         (f.minimum(f.select(x < 0.0, 0.0, 6.0), y), 1.0, True),
         (f.sin(3.0 * _TURN) * 0.0 + f.apply("tan", 2.0 * x), np.inf, True),
         (f.power(x, 1.5), 1.5, True),  # it has no value below 0
     ],
 )
-def test_what_jumps_has_no_bound_of_its_slope(formula, sides, tears):
+def test_what_jumps_has_no_bound_of_its_slope(formula, sides, jumps):
     low, high = np.full((1, 3), -0.8), np.full((1, 3), 0.9)
-    found = lipschitz.lipschitz(formula, low, high, tears=False)[0]
+    found = lipschitz.lipschitz(formula, low, high, jumps=False)[0]
     if formula.kind != "power":
         assert found >= sides * 0.5 if np.isfinite(sides) else found == np.inf
-    assert np.isinf(lipschitz.lipschitz(formula, low, high)[0]) == tears
-    assert lipschitz.torn(formula, low, high)[0] == tears
-    if tears:
-        assert lipschitz.may_tear(formula)
+    assert np.isinf(lipschitz.lipschitz(formula, low, high)[0]) == jumps
+    assert lipschitz.discontinuous(formula, low, high)[0] == jumps
+    if jumps:
+        assert lipschitz.may_be_discontinuous(formula)
 
 
-@pytest.mark.parametrize("turns, tears", [(2.0, False), (3.0, False), (2.5, True)])
-def test_the_cut_of_an_angle(turns, tears):
+@pytest.mark.parametrize("turns, jumps", [(2.0, False), (3.0, False), (2.5, True)])
+def test_the_cut_of_an_angle(turns, jumps):
     """A wave around the axis closes if a whole number of them fits."""
     low, high = np.array([[-0.9, -0.1, 0.0]]), np.array([[-0.7, 0.1, 0.2]])
-    assert lipschitz.torn(f.sin(turns * f.apply("atan2", y, x)) + x, low, high)[0] == tears
-    assert not lipschitz.torn(f.sin(turns * f.apply("atan2", y, x)) + x, low + 1.6, high + 1.6)[0]
+    assert lipschitz.discontinuous(f.sin(turns * f.apply("atan2", y, x)) + x, low, high)[0] == jumps
+    assert not lipschitz.discontinuous(f.sin(turns * f.apply("atan2", y, x)) + x, low + 1.6, high + 1.6)[0]
 
 
 def _number(value):
@@ -165,12 +165,12 @@ def test_noise_and_shapes_are_continuous_though_they_round():
     ring = SHAPES["polar_repetition"](Transformed(Box(0.1), _ASIDE), 5.0)
     for shape in (rows, ring):
         moved = shape.build(f.Vector(x + 0.1 * f.sin(y), y, z), _number)
-        assert lipschitz.lipschitz(moved, low, high)[0] == lipschitz.lipschitz(moved, low, high, tears=False)[0]
-        torn = shape.build(f.Vector(x + 0.1 * f.apply("floor", 3.0 * y), y, z), _number)
-        assert lipschitz.torn(torn, low, high)[0]
+        assert lipschitz.lipschitz(moved, low, high)[0] == lipschitz.lipschitz(moved, low, high, jumps=False)[0]
+        discontinuous = shape.build(f.Vector(x + 0.1 * f.apply("floor", 3.0 * y), y, z), _number)
+        assert lipschitz.discontinuous(discontinuous, low, high)[0]
     noise = value_noise(f.Vector(4.0 * x, 4.0 * y, 4.0 * z))
     assert np.isfinite(lipschitz.lipschitz(noise, low, high)[0])
-    assert lipschitz.torn(value_noise(f.Vector(4.0 * f.apply("floor", x + 0.5 * y), y, z)), low, high)[0]
+    assert lipschitz.discontinuous(value_noise(f.Vector(4.0 * f.apply("floor", x + 0.5 * y), y, z)), low, high)[0]
 
 
 def test_bounds_of_the_gradient_have_it_between_them():
@@ -187,7 +187,7 @@ def test_loops():
     assert _bound(folded, parameters=[3.0]) == pytest.approx(1.0)
     grown = iterate(4, (x, 1.0), lambda u, n: ((2.0 * u, n + 1.0), abs(u) < 1.0), 4)[0]
     assert _bound(grown, 0.3, 0.4) == pytest.approx(4.0)  # 0.3 … 0.8 go on, 1.2 … 1.6 do not
-    sides = lipschitz.lipschitz(grown, np.full((1, 3), 0.3), np.full((1, 3), 0.9), tears=False)[0]
+    sides = lipschitz.lipschitz(grown, np.full((1, 3), 0.3), np.full((1, 3), 0.9), jumps=False)[0]
     assert sides == pytest.approx(4.0)
     assert _bound(grown, 0.3, 0.9) == np.inf  # between points that go on and points that do not, it jumps
     assert _bound(grown, 2.0, 3.0) == pytest.approx(1.0)

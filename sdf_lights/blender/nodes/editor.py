@@ -187,7 +187,7 @@ class SDFLIGHTS_OT_nodes_to_expression(LampOperator, bpy.types.Operator):
 
 
 class SDFLIGHTS_OT_nodes_show(LampOperator, bpy.types.Operator):
-    """Show the lamp's node tree in a node editor, which is opened where there is none"""
+    """Show the lamp's node tree in a node editor. Opens an editor if none is open"""
 
     bl_idname = "sdf_lights.nodes_show"
     bl_label = "Edit Nodes"

@@ -24,8 +24,8 @@ _COLOR = (("result", "Color", sockets.COLOR),)
 
 
 class SDFLIGHTS_Node_interior(ValueNode, bpy.types.Node):
-    """Where a point is in the lamp: its depth below the surface in metres; and from 0 to 1, its height and place across
-    the lamp's box (U along x, V along y), and how far along the lamp's curve it is"""
+    """Place of a point in the lamp. Depth is below the surface, in metres. Height, U and V (across the lamp's box along
+    x and y) and the place along the lamp's curve are from 0 to 1"""
 
     bl_idname = "SDFLIGHTS_Node_interior"
     bl_label = "Interior"
@@ -38,7 +38,7 @@ class SDFLIGHTS_Node_interior(ValueNode, bpy.types.Node):
 
 
 class SDFLIGHTS_Node_color(ValueNode, bpy.types.Node):
-    """A colour for several inputs"""
+    """A color for several inputs"""
 
     bl_idname = "SDFLIGHTS_Node_color"
     bl_label = "Color"
@@ -46,7 +46,7 @@ class SDFLIGHTS_Node_color(ValueNode, bpy.types.Node):
 
     value: bpy.props.FloatVectorProperty(
         name="Color",
-        description="The colour",
+        description="The color",
         size=3,
         subtype="COLOR",
         default=(1.0, 1.0, 1.0),
@@ -81,7 +81,7 @@ def _stops_changed(self, context):
 
 
 class SDFLIGHTS_Node_ramp(ValueNode, bpy.types.Node):
-    """Colours from a value: those of stops, and what is between them. Stops are sorted by position"""
+    """Look up a color by a value. Colors between two stops are interpolated. Stops are sorted by position"""
 
     bl_idname = "SDFLIGHTS_Node_ramp"
     bl_label = "Color Ramp"
@@ -103,19 +103,19 @@ class SDFLIGHTS_Node_ramp(ValueNode, bpy.types.Node):
                 description="Interpolation between two stops",
                 update=tag,
                 items=[
-                    ("LINEAR", "Linear", "Straight from each colour to the next", 0),
+                    ("LINEAR", "Linear", "Straight from each color to the next", 0),
                     ("EASE", "Ease", "Smooth at the stops", 1),
-                    ("CONSTANT", "Constant", "The colour of each stop up to the next", 2),
+                    ("CONSTANT", "Constant", "The color of each stop up to the next", 2),
                 ],
             ),
             "stops": bpy.props.IntProperty(
-                name="Stops", description="Number of colours", default=2, min=1, max=MOST_STOPS, update=_stops_changed
+                name="Stops", description="Number of colors", default=2, min=1, max=MOST_STOPS, update=_stops_changed
             ),
         }
         | {
             f"value_position_{i}": bpy.props.FloatProperty(
                 name="Position",
-                description="Value that has the colour below",
+                description="Value that has the color below",
                 default=float(i > 1),
                 soft_min=0.0,
                 soft_max=1.0,
@@ -127,7 +127,7 @@ class SDFLIGHTS_Node_ramp(ValueNode, bpy.types.Node):
         | {
             f"value_color_{i}": bpy.props.FloatVectorProperty(
                 name="Color",
-                description="Colour at the position above",
+                description="Color at the position above",
                 size=3,
                 subtype="COLOR",
                 default=(float(i > 1),) * 3,
@@ -163,7 +163,7 @@ class SDFLIGHTS_Node_ramp(ValueNode, bpy.types.Node):
 
 
 class SDFLIGHTS_Node_image_color(ValueNode, bpy.types.Node):
-    """The colour of a picture. Without links, the picture is across the lamp's box, along x and y"""
+    """Color of a picture. Without links, the picture covers the lamp's box along x and y"""
 
     bl_idname = "SDFLIGHTS_Node_image_color"
     bl_label = "Image Color"
@@ -215,7 +215,7 @@ class SDFLIGHTS_Node_pattern(ExpressionNode, bpy.types.Node):
     )
     expression: bpy.props.StringProperty(
         name="Expression",
-        description="A brightness or a colour, such as exp(-20 * depth)",
+        description="A brightness or a color, such as exp(-20 * depth)",
         default="exp(-20 * depth)",
         update=text_changed,
     )

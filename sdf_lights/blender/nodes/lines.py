@@ -235,9 +235,9 @@ class Writer:
         """A parameter, which lamps have values for. Raises Broken."""
         known = (self._declared | self.declarations).get(declaration.name, declaration)
         if known != declaration:
-            raise Broken(f"Another node declares {declaration.name} otherwise: choose another name")
+            raise Broken(f"Another node declares {declaration.name} differently: choose another name")
         if self.makes == EMISSION and declaration.name in INPUTS:
-            raise Broken(f"{declaration.name} has a meaning of its own in an emission: choose another name")
+            raise Broken(f"{declaration.name} has a special meaning in an emission: choose another name")
         self.declarations[declaration.name] = declaration
         self._names.add(declaration.name)
         return ast.Name(declaration.name, ast.Load())

@@ -162,7 +162,7 @@ def _links(tree: bpy.types.NodeTree) -> set[tuple]:
 
 
 class SDFLIGHTS_OT_link_drag(bpy.types.Operator):
-    """Notice that a link may be about to be dragged"""
+    """Watch whether a link is dragged"""
 
     bl_idname = "sdf_lights.link_drag"
     bl_label = "Drag Link"

@@ -210,7 +210,7 @@ def shape_of(
     if tree is None:
         raise RenderError("It has no node tree: make a new one, or choose one.")
     if tree.bl_idname != NODE_TREE:
-        raise RenderError(f"Its node tree '{tree.name}' is for something else: choose one of SDF Lamp nodes.")
+        raise RenderError(f"Its node tree '{tree.name}' is not for SDF lamps: choose a tree of SDF Lamp nodes.")
     writer = Writer(tree, owner)
     if writer.missing:
         raise RenderError(writer.missing)
@@ -237,6 +237,6 @@ def _read(writer: Writer, given: Mapping[str, object], lamp) -> Shape | Emission
     if problems or read is None:
         index = min(problems, default=None)
         if index is None:
-            raise RenderError(f"Its nodes do not say its {writer.makes}: look for a node with an error.")
+            raise RenderError(f"Its nodes do not define its {writer.makes}: look for a node with an error.")
         raise RenderError(f"In its nodes, {writer.places[index][-1][1]}: {problems[index]}")
     return read

@@ -21,7 +21,7 @@ _SHAPE = (("shape", "Shape", sockets.SHAPE),)
 
 
 class SDFLIGHTS_Node_output(ValueNode, bpy.types.Node):
-    """The shape that glows, and its colour and relative brightness from point to point; without, it is even"""
+    """The shape that glows. Emission gives its color and relative brightness at each point"""
 
     bl_idname = OUTPUT
     bl_label = "Lamp Output"
@@ -37,7 +37,7 @@ class SDFLIGHTS_Node_output(ValueNode, bpy.types.Node):
 
 
 class SDFLIGHTS_Node_object(ValueNode, bpy.types.Node):
-    """The shape where an object of the scene is, turned and scaled as that is: move the part by moving the object"""
+    """The shape with the transform of an object: move, turn or scale the object to place the shape"""
 
     bl_idname = OBJECT
     bl_label = "Object Transform"

@@ -48,7 +48,7 @@ def _value(label: str, **options):
 
 
 class SDFLIGHTS_Node_position(ValueNode, bpy.types.Node):
-    """The point of space at which the shape is asked for: numbers made from it are fields"""
+    """The point at which the shape is evaluated. Numbers that depend on it are fields"""
 
     bl_idname = "SDFLIGHTS_Node_position"
     bl_label = "Position"
@@ -115,7 +115,7 @@ def _kind_changed(self, context):
 
 
 class SDFLIGHTS_Node_parameter(ValueNode, bpy.types.Node):
-    """A property of the lamp: each lamp that uses the tree has a value of its own for it"""
+    """A property of the lamp. Each lamp that uses the tree has its own value"""
 
     bl_idname = "SDFLIGHTS_Node_parameter"
     bl_label = "Parameter"
@@ -215,7 +215,7 @@ _A_AND_B = (("a", "A", sockets.ANY), ("b", "B", sockets.ANY))
 
 
 class SDFLIGHTS_Node_math(ValueNode, bpy.types.Node):
-    """Arithmetic of numbers, fields and vectors; a number counts for each component of a vector"""
+    """Arithmetic of numbers, fields and vectors. A number applies to each component of a vector"""
 
     bl_idname = "SDFLIGHTS_Node_math"
     bl_label = "Math"
@@ -275,7 +275,7 @@ class SDFLIGHTS_Node_compare(ValueNode, bpy.types.Node):
 
 
 class SDFLIGHTS_Node_boolean(ValueNode, bpy.types.Node):
-    """Conditions put together"""
+    """Combine conditions"""
 
     bl_idname = "SDFLIGHTS_Node_boolean"
     bl_label = "Boolean Math"
@@ -370,7 +370,7 @@ _BOUNDS = (("bounds", "Bounds", sockets.VECTOR),)
 
 
 class SDFLIGHTS_Node_field(ValueNode, bpy.types.Node):
-    """The shape that a field is negative in. Its limits are found by themselves; or give half of the size of a box"""
+    """The shape in which a field is negative. Its limits are found automatically, or given by a box"""
 
     bl_idname = "SDFLIGHTS_Node_field"
     bl_label = "Shape of Field"

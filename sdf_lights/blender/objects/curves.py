@@ -41,7 +41,7 @@ def _shape(obj: bpy.types.Object, paths: list[Path], lamp, depsgraph: bpy.types.
     points = sum(len(path.points) for path in paths)
     if points > MOST_POINTS:
         raise RenderError(
-            f"{_named(obj)} has {points:,} points, and a lamp {MOST_POINTS:,}: lower its resolution, or divide it."
+            f"{_named(obj)} has {points:,} points, but a lamp can have at most {MOST_POINTS:,}: lower its resolution, or divide it."
         )
     if not all(np.isfinite(path.points).all() and np.isfinite(path.radii).all() for path in paths):
         raise RenderError(f"{_named(obj)} has a point that is not a finite number: remove it.")
@@ -229,7 +229,7 @@ def _remarks(obj: bpy.types.Object, lamp) -> list[str]:
         found.append(f"{_named(obj)}: modifier '{ignored[0]}' works on its mesh, so it is not in the lamp: {cure}.")
     if lamp.object_form != NEON:
         if data.bevel_mode != "ROUND" and (data.bevel_depth > 0.0 or data.bevel_mode == "OBJECT"):
-            found.append(f"{_named(obj)}: its bevel is not round, and that of the lamp is: choose Round.")
+            found.append(f"{_named(obj)}: its bevel is not round, but the lamp always has a round one: choose Round.")
         trimmed = data.bevel_factor_start > 0.0 or data.bevel_factor_end < 1.0
         if trimmed and data.bevel_depth > 0.0:
             found.append(

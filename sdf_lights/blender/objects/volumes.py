@@ -97,7 +97,7 @@ def _read(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, lamp) -> Shape:
         module = vdb()
         if module is None:
             raise RenderError(
-                f"{name} cannot be read, for this Python has no module 'openvdb': render in Blender from blender.org, "
+                f"{name} cannot be read, because this Python has no module 'openvdb': render in Blender from blender.org, "
                 "which has it, or make a mesh of the volume by a Volume to Mesh modifier."
             )
         _grids[key] = _shape(module, path)

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import bpy
 
-from ...render.displacement import Habits, displace
+from ...render.displacement import CyclesVersion, displace
 from ...render.material import UV
 from ...render.passes import BY_NAME
 from ...render.scene import Camera, Scene
@@ -178,7 +178,7 @@ def _fill(
     images.load()
     if motion is not None:
         motion.read(noted.placed, noted.forms, eyes)
-    displace(scene, Habits(bpy.app.version < (5, 1, 0), bpy.app.version < (5, 0, 0)))
+    displace(scene, CyclesVersion(bpy.app.version < (5, 1, 0), bpy.app.version < (5, 0, 0)))
 
 
 def _world(depsgraph: bpy.types.Depsgraph) -> bpy.types.World | None:

@@ -132,8 +132,8 @@ class Images:
             return None
         if kind_of(image.colorspace_settings) == UNKNOWN:
             self._warn(
-                f"Image '{image.name}' is in the colour space {image.colorspace_settings.name}, which cannot be "
-                "converted here: it is read as sRGB; choose another colour space."
+                f"Image '{image.name}' is in the color space {image.colorspace_settings.name}, which cannot be "
+                "converted here: it is read as sRGB; choose another color space."
             )
         if not _in_memory_only(image):
             packed = _packed_file(image, tile)

@@ -47,7 +47,7 @@ def light_of(
     power = data.energy * 2.0**data.exposure
     if not all(map(math.isfinite, (*color, power))):
         raise RenderError(
-            f"Light '{name}' has a power or colour that is not a finite number: it is left out; set it again."
+            f"Light '{name}' has a power or color that is not a finite number: it is left out; set it again."
         )
     if data.sdf_lamp.use:
         own = matrix if owner is None else owner

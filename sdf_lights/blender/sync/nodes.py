@@ -29,7 +29,7 @@ from .node_inputs import BlenderInputs
 from .node_values import BLACK, EXAMPLES, MISSING, constant_of, converted, numbers_of, replaces_default
 from .zones import Stack, by_identifier
 
-_ONLY_EEVEE = "(only EEVEE has it: a path tracer cannot read a shader's result as a colour)"
+_ONLY_EEVEE = "(only EEVEE has it: a path tracer cannot read a shader's result as a color)"
 
 
 MOST_INPUTS = 20_000  # of a tree with all groups written out: a malicious file may double them at each level
@@ -269,7 +269,7 @@ class Reader:
         if socket is None:
             self.report(node, "not supported, so it is black")
             return None
-        self.report(node, "not supported, so it is a Diffuse BSDF of the same colour")
+        self.report(node, "not supported, so it is a Diffuse BSDF of the same color")
         return Node("diffuse", {"color": self.read(socket, BLACK, stack)})
 
     def _passed_on(self, node, output, stack: Stack):

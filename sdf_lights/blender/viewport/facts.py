@@ -82,7 +82,7 @@ def measured(shape: Shape, emission: Emission | None = None) -> Facts:
         return found
     lipschitz = shape.lipschitz
     if not math.isfinite(lipschitz):  # shapes that may jump are drawn too, only less exactly
-        lipschitz = global_lipschitz(shape.formula(), found.low, found.high, shape.parameters(), tears=False)
+        lipschitz = global_lipschitz(shape.formula(), found.low, found.high, shape.parameters(), jumps=False)
     if not math.isfinite(lipschitz):
         return found._replace(
             problem=(

@@ -40,7 +40,7 @@ class Measured(NamedTuple):
     """A varying emission in a shape."""
 
     compiled: CompiledEmission
-    weighed: moments.Weighed
+    emission_moments: moments.EmissionMoments
     tried: Tried
 
 
@@ -102,7 +102,9 @@ def build_lamp(
     if not (volume > 0.0 and math.isfinite(volume)):
         raise LampError(f"Lamp “{name}”: {EMPTY}")
     if tree is not None and local_volume < LEAST_ACCEPTANCE * tree.nodes["mass"][0]:
-        raise LampError(f"Lamp “{name}”: its shape is too thin for its size to be sampled: make its parts thicker.")
+        raise LampError(
+            f"Lamp “{name}”: its shape is too thin, relative to its size, to be sampled: make its parts thicker."
+        )
 
     row = np.zeros(1, LAMP)
     row["center"], row["half"] = 0.5 * (low + high), 0.5 * (high - low)
@@ -112,7 +114,9 @@ def build_lamp(
     relative = matrix.copy()
     relative[:3, 3] -= row["center"][0]
     found = measured(shape, emission) if emission is not None and emission.varies else None
-    mean = np.ones(3) if emission is None else _constant(shape, emission) if found is None else found.weighed.mean
+    mean = (
+        np.ones(3) if emission is None else _constant(shape, emission) if found is None else found.emission_moments.mean
+    )
     if not mean.max() > 0.0:
         raise LampError(
             f"Lamp “{name}”: its emission is zero or undefined everywhere inside, so it gives no light: make the last "
@@ -127,7 +131,7 @@ def build_lamp(
         )
     row["power"] = 4.0 * math.pi * volume * row["emission"].mean()
     row["glow"] = -1 if found is None else 0
-    row["emission_error"] = 0.0 if found is None else found.weighed.error + error / local_volume
+    row["emission_error"] = 0.0 if found is None else found.emission_moments.error + error / local_volume
     glow, remarks = (
         (np.zeros(0, GLOW), ()) if found is None else (_place_glow(found, relative, scale), _remarks(name, found.tried))
     )
@@ -181,8 +185,8 @@ def _place_tree(row: np.ndarray, tree: Tree, matrix: np.ndarray) -> np.ndarray:
 def measured(shape, emission: Emission) -> Measured:
     """The varying emission of a valid shape."""
     compiled = compile_emission(emission, shape)
-    weighed = moments.weigh(interior.tree(shape), volume_of(shape)[0], compiled)
-    return Measured(compiled, weighed, try_rays(shape, compiled.placed))
+    emission_moments = moments.emission_moments(interior.tree(shape), volume_of(shape)[0], compiled)
+    return Measured(compiled, emission_moments, try_rays(shape, compiled.placed))
 
 
 def _constant(shape, emission: Emission) -> np.ndarray:

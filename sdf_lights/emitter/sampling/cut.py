@@ -252,14 +252,14 @@ def prepare(block, lamp, x, n, two_sided, has_glossy, tolerance, limit, keys, st
     much.
     """
     place, varied = placements(block)[lamp], varies(block, lamp)
-    if needless(block, lamp, place, x, n, has_glossy, tolerance, cut):
+    if needs_no_boxes(block, lamp, place, x, n, has_glossy, tolerance, cut):
         alone = cut.bsdf_mis_scale == NO_BSDF_RAYS and not has_glossy and resolved(place)
         cut.points = POINTS if alone else WHOLE_RAYS
         return
     origin, normal = local(block, lamp, place, x, n)
     slot = region(block, lamp, place, origin, normal, two_sided, tolerance, limit, keys, store)
     boxes = store[slot]
-    bsdf_mis_scale, rough = share(boxes.variance), boxes.rough > MOST_ROUGH
+    bsdf_mis_scale, rough = mis_scale_for(boxes.variance), boxes.rough > MOST_ROUGH
     # Surfaces inside a lamp hide a part of a ray, but all of a point, or nothing. Rays through a primitive cost little
     # more than points, and are less noisy.
     pays = varied or tolerance > TOLERANCE or lamps(block)[lamp].kind != PRIMITIVE
@@ -298,7 +298,7 @@ def tolerance_for(probability):
 
 
 @kernel
-def needless(block, lamp, place, x, n, has_glossy, tolerance, cut):
+def needs_no_boxes(block, lamp, place, x, n, has_glossy, tolerance, cut):
     """Whether a point needs no boxes: it is far away, or the lamp fills its surroundings. If so, the cut is set to
     projection sampling."""
     offset = sub(x, vec(lamps(block)[lamp].center))
@@ -341,7 +341,7 @@ def fit(block, place, boxes, slot, origin, normal, two_sided, cut):
 
 
 @kernel
-def share(variance):
+def mis_scale_for(variance):
     """β for an expected relative variance."""
     bsdf_mis_scale = min(MIS_SCALE_RATE * variance, 1.0)
     return bsdf_mis_scale if bsdf_mis_scale > ALONE else NO_BSDF_RAYS

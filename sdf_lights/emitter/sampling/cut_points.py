@@ -29,7 +29,7 @@ from ..tree.nodes import INSIDE
 from .cut import ATTEMPTS, POINT_MIS_SCALE, choose, chosen_box, draw, found_inside, project, resolved, slope_of
 from .cut_boxes import corner, far_corner
 from .cut_tables import lamp_steps, placements
-from .projection import way_inside
+from .projection import interior_offset
 from .strategies import NO_BSDF_RAYS, POINTS, PROJECTION, UNIFORM_POINTS
 
 EVEN = 0.5  # relative variance of the emission below which uniform points are enough, if light is scattered again
@@ -55,7 +55,7 @@ def sample_point(block, lamp, x, store, cut, u1, u2, u3):
     whole lamp."""
     row, place = lamps(block)[lamp], placements(block)[lamp]
     if cut.strategy == PROJECTION and (row.glow < 0 or cut.points == UNIFORM_POINTS):
-        way = way_inside(block, lamp, x, u1, u2, u3)
+        way = interior_offset(block, lamp, x, u1, u2, u3)
         return way, uniform_intensity(block, lamp, sub(add(x, way), vec(row.center)))
     if row.glow < 0:
         boxes, cells = store[cut.slot], lamp_cells(block)[place.first_cell :]

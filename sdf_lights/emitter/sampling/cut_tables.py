@@ -126,7 +126,7 @@ def pack_cuts(built: list[BuiltLamp], sources: list) -> dict[str, np.ndarray]:
             shape, matrix = similar(shape, matrix)
         tree = interior.tree(shape)
         factor = abs(float(np.linalg.det(matrix[:3, :3])))
-        own = uniform_cells(shape) if lamp.emission is None else lamp.emission.weighed.cells
+        own = uniform_cells(shape) if lamp.emission is None else lamp.emission.emission_moments.cells
         if id(own) not in known:
             rough, expected = np.zeros(len(own)), np.zeros(len(own))
             roughness(own, rough)
@@ -140,7 +140,7 @@ def pack_cuts(built: list[BuiltLamp], sources: list) -> dict[str, np.ndarray]:
         to_world = matrix.copy()
         to_world[:3, 3] += to_world[:3, :3] @ tree.center - lamp.row["center"][0]
         row["first_cell"], thickness, row["rough"] = known[id(own)]
-        row["clear"], row["leaf_rough"] = 1, lamp.emission.weighed.rough if lamp.emission is not None else 0.0
+        row["clear"], row["leaf_rough"] = 1, lamp.emission.emission_moments.rough if lamp.emission is not None else 0.0
         row["thickness"], row["factor"] = thickness * factor ** (1.0 / 3.0), factor
         row["matrix"], row["inverse"] = to_world[:3], inverse(to_world)[:3]
         row["metric"] = to_world[:3, :3].T @ to_world[:3, :3]

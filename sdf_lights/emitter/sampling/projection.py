@@ -61,7 +61,7 @@ def interior_point(block, lamp, u1, u2, u3):
 
 
 @kernel
-def way_inside(block, lamp, x, u1, u2, u3):
+def interior_offset(block, lamp, x, u1, u2, u3):
     """Offset from x to a uniform point of the lamp."""
     return add(sub(vec(lamps(block)[lamp].center), x), interior_point(block, lamp, u1, u2, u3))
 
@@ -69,7 +69,7 @@ def way_inside(block, lamp, x, u1, u2, u3):
 @kernel
 def sample_direction(block, lamp, x, n, u1, u2, u3):
     """Unit direction from x to a uniform point of the lamp; its density is ``direction_pdf``."""
-    return normalize(way_inside(block, lamp, x, u1, u2, u3))
+    return normalize(interior_offset(block, lamp, x, u1, u2, u3))
 
 
 @kernel

@@ -310,7 +310,7 @@ def gather(nodes, boxes, totals, brightness, least_fill, cells):
     return used
 
 
-class Weighed(NamedTuple):
+class EmissionMoments(NamedTuple):
     """``cells`` are ``CELL``, for each non-empty box of a tree."""
 
     cells: np.ndarray
@@ -324,7 +324,7 @@ def cells(tree: Tree, volume: float) -> np.ndarray:
 
     A shape without interior in any box has none.
     """
-    return weigh(tree, volume, None).cells
+    return emission_moments(tree, volume, None).cells
 
 
 def _sample_all(tree: Tree, arrays, glow, offset, sides, nodes, boxes, totals, used: int, state) -> None:
@@ -340,11 +340,11 @@ def _sample_all(tree: Tree, arrays, glow, offset, sides, nodes, boxes, totals, u
         )
 
 
-def weigh(tree: Tree, volume: float, emission: CompiledEmission | None) -> Weighed:
+def emission_moments(tree: Tree, volume: float, emission: CompiledEmission | None) -> EmissionMoments:
     """As ``cells``, for a varying emission. If it is dark everywhere, its ``mean`` is zero, and the cells are
     useless."""
     if tree.nodes["mass"][0] == 0.0:
-        return Weighed(np.zeros(0, CELL), np.ones(3), 0.0, 0.0)
+        return EmissionMoments(np.zeros(0, CELL), np.ones(3), 0.0, 0.0)
     arrays = (tree.program, *tree.arrays, tree.lists)
     used, room = len(tree.nodes), 2 * MOST_PARTS if emission else 0
     nodes, boxes = np.zeros(used + room, NODE), np.zeros((used + room, 6))
@@ -375,4 +375,4 @@ def weigh(tree: Tree, volume: float, emission: CompiledEmission | None) -> Weigh
         error = SAFETY * math.sqrt(totals[:, VARIANCE].sum()) / max(mean.mean() * volume, 1e-300)
     found = np.zeros(used, CELL)
     count = gather(nodes, boxes, totals, mean.mean() if emission else 0.0, FILL, found)
-    return Weighed(found[:count].copy(), mean, error, rough)
+    return EmissionMoments(found[:count].copy(), mean, error, rough)

@@ -22,7 +22,7 @@ import math
 
 import numpy as np
 
-from ...graph.lipschitz import may_tear, torn
+from ...graph.lipschitz import discontinuous, may_be_discontinuous
 from ...jit import kernel
 from ...sdf.shapes.base import Family
 from ..intersection.fields import DEEPEST, NEGATED, CompiledField
@@ -267,17 +267,17 @@ def _spread(nodes, boundary, known, at_zeros):
             at_zeros[index, 0, axis], at_zeros[index, 1, axis] = low, high
 
 
-def _torn(
+def _discontinuous(
     field: CompiledField, boxes: np.ndarray, lists: np.ndarray, first: np.ndarray, count: np.ndarray
 ) -> np.ndarray:
     """The boxes (n, 6) in which a term of their lists may jump, which the bounds of gradients do not show."""
     found = np.zeros(len(boxes), bool)
     for number, term in enumerate(field.source):
-        if term.arity == 0 and not math.isfinite(term.lipschitz) and may_tear(term.formula):
+        if term.arity == 0 and not math.isfinite(term.lipschitz) and may_be_discontinuous(term.formula):
             matters = [number in lists[start : start + size] for start, size in zip(first, count)]
             places = np.flatnonzero(matters)
             corners = boxes[places]
-            found[places] |= torn(term.formula, corners[:, :3], corners[:, 3:], term.parameters, CASES)
+            found[places] |= discontinuous(term.formula, corners[:, :3], corners[:, 3:], term.parameters, CASES)
     return found
 
 
@@ -296,11 +296,11 @@ def fill_gradients(
     work = OVERHEAD + total[nodes["row_first"] + nodes["row_count"]] - total[nodes["row_first"]]
     chosen = _selected(nodes, boundary, work, WORK * field.boxes)
     rows = nodes[chosen]
-    torn_boxes = _torn(field, boxes[chosen], lists, rows["row_first"], rows["row_count"])
+    discontinuous_boxes = _discontinuous(field, boxes[chosen], lists, rows["row_first"], rows["row_count"])
 
     def found(at_zeros: bool) -> np.ndarray:
         bounds, _ = bounds_of(field, boxes[chosen], lists, rows["row_first"], rows["row_count"], at_zeros)
-        bounds[torn_boxes] = [[-np.inf], [np.inf]]
+        bounds[discontinuous_boxes] = [[-np.inf], [np.inf]]
         with np.errstate(over="ignore"):
             return np.nextafter(bounds.astype(np.float32), np.array([[-np.inf], [np.inf]], np.float32))
 

@@ -113,7 +113,7 @@ def accelerator_of(scene: Scene, transparent: np.ndarray, deep: np.ndarray | Non
     """An ``Accelerator``; ``transparent`` and ``deep`` (materials,) as there. If nothing has moved, it is the one that
     the scene has kept, which gives the same hits."""
     before = scene.kept.get(_KEPT) if scene.kept is not None else None
-    if before is not None and before.serves(scene, transparent, deep):
+    if before is not None and before.is_valid_for(scene, transparent, deep):
         return before
     made = Accelerator(scene, transparent, deep, before)
     if scene.kept is not None:
@@ -203,7 +203,7 @@ class Accelerator:
         block["rtc_occluded"] = self._api.address("rtcOccluded1")
         block["filtered_query"] = self._query.ctypes.data
 
-    def serves(self, scene: Scene, transparent: np.ndarray, deep: np.ndarray | None) -> bool:
+    def is_valid_for(self, scene: Scene, transparent: np.ndarray, deep: np.ndarray | None) -> bool:
         """Whether these structures are valid for this scene, too. ``transparent`` and ``deep`` (materials,) as in
         ``accelerator_of``."""
         return self._signature == _signature(scene, transparent, deep)

@@ -78,11 +78,11 @@ class _Process:
         return self._process.poll() is None
 
     @property
-    def awaited(self) -> bool:
+    def is_needed(self) -> bool:
         """Whether it is compiling what any picture needs."""
         return self.running and self.groups[0] not in self.finished
 
-    def hurry(self) -> None:
+    def raise_priority(self) -> None:
         """Give it the priority of the session. Where the system does not allow that and the process is starved by
         others, another one replaces it: kernels that are on disk are not compiled again."""
         if self._hurries:
@@ -101,7 +101,7 @@ class _Process:
             with contextlib.suppress(OSError):  # then the render compiles
                 self._begin(low=False)
 
-    def step_back(self) -> None:
+    def lower_priority(self) -> None:
         """Take the lowest priority again, if it had that at the start."""
         if self._low and self._hurries and self.running:
             priority.lower(self._process.pid)
@@ -189,11 +189,11 @@ def wait(check: Callable[[], None]) -> None:
     """Return when everything for a picture is ready, or when nothing compiles it. ``check`` may raise, to end the
     wait."""
     try:
-        while awaited := [process for process in list(_processes) if process.awaited]:
+        while needed := [process for process in list(_processes) if process.is_needed]:
             check()
-            for process in awaited:
-                process.hurry()
+            for process in needed:
+                process.raise_priority()
             time.sleep(POLL_SECONDS)
     finally:
         for process in list(_processes):
-            process.step_back()
+            process.lower_priority()

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..film import Film
-from ..sample_allocation import even_numbers, own_cost
+from ..sample_allocation import golden_ratio_sequence, own_cost
 
 SAMPLES = 2  # of each pilot pixel: the fewest that scatter
 # Pilot pixels: for each pixel and sample of the render, so that all four samples take 2 % of its time; of a render at
@@ -22,7 +22,7 @@ SAMPLES = 2  # of each pilot pixel: the fewest that scatter
 PART, MOST, FEWEST = 0.005, 4096, 96
 # Error × time without light paths over that with them, from which on they are used: noisy estimates promise too much.
 # What they must promise before they are tried.
-GAIN, PROMISE = 1.3, 1.5
+GAIN, LEAST_POTENTIAL = 1.3, 1.5
 OUTLIERS = 0.01  # part of the pilot pixels that a second comparison leaves out: a few bright ones must not decide
 FLOOR = 0.05  # part of the mean square brightness that is added to the squares which errors are relative to
 
@@ -35,7 +35,7 @@ def pilot_pixels(film: Film, samples: int) -> np.ndarray | None:
     if wanted < FEWEST:
         return None
     found = np.zeros_like(film.active)
-    found[active[even_numbers(len(active)) < wanted / len(active)]] = 1
+    found[active[golden_ratio_sequence(len(active)) < wanted / len(active)]] = 1
     return found
 
 
@@ -66,13 +66,13 @@ def _weights(sums: np.ndarray) -> np.ndarray:
     return 1.0 / (sums**2 + FLOOR * np.mean(sums**2) + 1e-300)
 
 
-def may_pay(without: Pilot) -> bool:
+def may_be_worthwhile(without: Pilot) -> bool:
     """Whether light paths could pay, if they took all noise from the light that surfaces scatter."""
     weights = _weights(without.sums)
-    return float(weights @ without.whole) > PROMISE * float(weights @ without.before)
+    return float(weights @ without.whole) > LEAST_POTENTIAL * float(weights @ without.before)
 
 
-def pays(without: Pilot, connected: Pilot) -> bool:
+def is_worthwhile(without: Pilot, connected: Pilot) -> bool:
     """Whether light paths lower error × time clearly, of all pixels and of most."""
     return gain(without, connected) > GAIN
 

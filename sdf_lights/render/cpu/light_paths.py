@@ -60,7 +60,8 @@ BY_PATH = {"ray_kind", "ray_length", "ray_singular", "depth"}  # what a material
 
 
 def can_connect(scene: Scene, packed: PackedScene) -> bool:
-    """Whether connections may take light from paths, and whether that is asked for.
+    """Whether connections may take light from paths, and whether that is asked for, if ``sources_of`` and
+    ``materials_of`` allow it: see ``tables_of``.
 
     - There are lamps from which light paths start: see ``sources_of``. What other lights, the world and surfaces emit
       is left to paths, and so is what light paths cannot follow: see ``materials_of``.
@@ -80,7 +81,6 @@ def can_connect(scene: Scene, packed: PackedScene) -> bool:
         and settings.max_bounces > 0
         and vertices_of(scene, packed) <= MOST_VERTICES
         and (settings.transparent_bounces > 0 or not block["transparent_shadows"])
-        and sources_of(scene, packed).any()
         and all(
             each.visibility & SCATTERED in (SCATTERED, 0) and each.receivers == each.blockers == ALL_SETS
             for each in scene.instances
@@ -92,7 +92,6 @@ def can_connect(scene: Scene, packed: PackedScene) -> bool:
         and settings.filter_glossy == 0.0
         and block["caustics"] == GLOSSY | TRANSMISSION
         and not (packed.table("lobes")["features"] & ONCE).any()
-        and bool(materials_of(packed)[_used(scene)].all())
         and not (packed.table("materials")["flags"][_on_strands(scene)] & HAS_TRANSPARENCY).any()
         and not (packed.table("materials")["flags"] & STOPS_LIGHT_RAYS).any()
         and not any(
@@ -101,6 +100,16 @@ def can_connect(scene: Scene, packed: PackedScene) -> bool:
             for node in order(*roots)
         )
     )
+
+
+def tables_of(scene: Scene, packed: PackedScene) -> dict[str, np.ndarray] | None:
+    """The tables of a scene's light paths that all of them share; None if they cannot be used, or should not."""
+    if not can_connect(scene, packed):
+        return None
+    sources, materials = sources_of(scene, packed), materials_of(packed)
+    if not (sources.any() and materials[_used(scene)].all()):
+        return None
+    return {"light_path_materials": materials, "light_path_sources": sources}
 
 
 def _used(scene: Scene) -> list[int]:
@@ -171,14 +180,14 @@ class LightPaths:
     def of(cls, scene: Scene, packed: PackedScene, workspaces: list[Workspace]) -> LightPaths | None:
         """None where the scene cannot use them, or should not; nothing is connected then."""
         packed.set_light_paths({}, {})
-        return cls(scene, packed, workspaces) if can_connect(scene, packed) else None
+        tables = tables_of(scene, packed)
+        return None if tables is None else cls(scene, packed, workspaces, tables)
 
-    def __init__(self, scene: Scene, packed: PackedScene, workspaces: list[Workspace]):
-        self._scene, self._packed, self._workspaces = scene, packed, workspaces
+    def __init__(self, scene: Scene, packed: PackedScene, workspaces: list[Workspace], tables: dict[str, np.ndarray]):
+        self._scene, self._packed, self._workspaces, self._lasting = scene, packed, workspaces, tables
         self._width = vertices_of(scene, packed)
         x0, y0, x1, y1 = scene.border or (0, 0, scene.width, scene.height)
         self._pixels = (x1 - x0) * (y1 - y0)
-        self._lasting = {"light_path_materials": materials_of(packed), "light_path_sources": sources_of(scene, packed)}
         self._scalars = self._settled()
         self._fixed: dict[str, np.ndarray] = {}
         self._connected: int | None = None

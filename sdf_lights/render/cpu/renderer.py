@@ -21,7 +21,7 @@ from ..scene import Scene
 from . import background
 from .block import PackedScene, Workspace
 from .light_path_pilot import SAMPLES as PILOT_SAMPLES
-from .light_path_pilot import Pilot, may_pay, pays, pilot_pixels
+from .light_path_pilot import Pilot, is_worthwhile, may_be_worthwhile, pilot_pixels
 from .light_paths import LightPaths
 from .path_splitting import render_tile
 
@@ -121,7 +121,7 @@ class CpuRenderer:
         before = sample_allocation.first_pixels(film, self._settings) if first == 0 else None
         if before is not None:
             begun = before.mean()
-            if not self._take_some(before, 1, stop, lambda part: report(begun * part)):
+            if not self._sample_pixels(before, 1, stop, lambda part: report(begun * part)):
                 return False
             sample_allocation.divide(film, self._settings)
         if first == 0 and not self._try_light_paths(stop):
@@ -133,7 +133,7 @@ class CpuRenderer:
             def report_part(part: float, at: int = at, to: int = to) -> None:
                 report(begun + (1.0 - begun) * (at - first + part * (to - at)) / count)
 
-            if not self._take(to, stop, report_part):
+            if not self._sample_active(to, stop, report_part):
                 return False
             at = to
         film.samples = end
@@ -150,12 +150,12 @@ class CpuRenderer:
         if pixels is None:
             return True
         without = self._pilot(pixels, stop)
-        if without is None or not may_pay(without):
+        if without is None or not may_be_worthwhile(without):
             return without is not None
         connected = self._pilot(pixels, stop, light_paths)
         if connected is None:
             return False
-        if pays(without, connected):
+        if is_worthwhile(without, connected):
             film.clear()
             self._light_paths = light_paths
         return True
@@ -172,21 +172,21 @@ class CpuRenderer:
         for sample in range(PILOT_SAMPLES):
             if light_paths is not None:
                 light_paths.use_pilot(sample)
-            done = done and self._take(sample + 1, stop, lambda part: None)
+            done = done and self._sample_active(sample + 1, stop, lambda part: None)
         if light_paths is not None:
             light_paths.rest()
         self._packed.set_film(self._scene, self._film)
         return Pilot.of(trial, pixels) if done else None
 
-    def _take_some(self, pixels: np.ndarray, samples: int, stop, report: Callable[[float], None]) -> bool:
-        """``_take`` for those active pixels where ``pixels`` is 1."""
+    def _sample_pixels(self, pixels: np.ndarray, samples: int, stop, report: Callable[[float], None]) -> bool:
+        """``_sample_active`` for those active pixels where ``pixels`` is 1."""
         active = self._film.active.copy()
         self._film.active &= pixels
-        done = self._take(samples, stop, report)
+        done = self._sample_active(samples, stop, report)
         self._film.active[:] = active
         return done
 
-    def _take(self, samples: int, stop: Callable[[], bool], report: Callable[[float], None]) -> bool:
+    def _sample_active(self, samples: int, stop: Callable[[], bool], report: Callable[[float], None]) -> bool:
         """Add samples to the active pixels until those whose rate is 1 have ``samples``. Returns False if stopped
         before the end."""
         control = self._packed.control

@@ -31,15 +31,15 @@ def is_bare(block):
 
 
 @kernel
-def reaches(block, emitter, bounces):
-    """Replaces ``lights.reaches``."""
+def may_light(block, emitter, bounces):
+    """Replaces ``lights.may_light``."""
     row = emitter_table(block)[emitter]
     return bounces <= row.max_bounces and not (is_bare(block) and row.beside_catchers != 0)
 
 
 @kernel
-def lights_up(block, number, emitter):
-    """Replaces ``lights.lights_up``."""
+def is_in_light_tree(block, number, emitter):
+    """Replaces ``lights.is_in_light_tree``."""
     if is_bare(block) and emitter_table(block)[emitter].beside_catchers != 0:
         return False
     if number == 0:

@@ -18,7 +18,7 @@ from ...emitter.primitives.box import box_span
 from ...emitter.sampling import cut as cuts
 from ...emitter.sampling.cut_boxes import BOXES, MOST_BOXES, MOST_ENTRIES, part_in_two, put, spread_variance
 from ...emitter.sampling.cut_tables import placements
-from ...emitter.sampling.projection import direction_pdf, sample_direction, way_inside
+from ...emitter.sampling.projection import direction_pdf, interior_offset, sample_direction
 from ...emitter.sampling.strategies import BOXES as BY_BOXES
 from ...graph.codegen_native import LANES
 from ...graph.formula import Formula, order
@@ -109,7 +109,7 @@ def flat_boxes(tables: dict[str, np.ndarray]) -> np.ndarray:
 def prepare(block, lamp, x, n, two_sided, has_glossy, tolerance, limit, keys, store, cut):
     """Replaces ``cut.prepare``: the boxes of the lamp are the same for every point."""
     place = placements(block)[lamp]
-    if cuts.needless(block, lamp, place, x, n, 1, tolerance, cut):
+    if cuts.needs_no_boxes(block, lamp, place, x, n, 1, tolerance, cut):
         return
     boxes = store[lamp]
     if boxes.rough > cuts.MOST_ROUGH:
@@ -123,7 +123,7 @@ def prepare(block, lamp, x, n, two_sided, has_glossy, tolerance, limit, keys, st
             way = sub((boxes.centroid[0, k], boxes.centroid[1, k], boxes.centroid[2, k]), vec(cut.origin))
             square = dot(way, transform_vector(boxes.metric, way))
             left += cut.weight[k] * spread_variance(boxes.extent[k] / max(square, 1e-30))
-        cut.bsdf_mis_scale = cuts.share(left / cut.mass[0])
+        cut.bsdf_mis_scale = cuts.mis_scale_for(left / cut.mass[0])
 
 
 @kernel
@@ -135,11 +135,11 @@ def prepare_lamp_cut(block, workspace, lamp, pmf, x, n):
 @kernel
 def sample_point(block, lamp, x, store, cut, u1, u2, u3):
     """Replaces ``cut_points.sample_point``: only uniform lamps use points."""
-    return way_inside(block, lamp, x, u1, u2, u3), intensity(block, lamp)
+    return interior_offset(block, lamp, x, u1, u2, u3), intensity(block, lamp)
 
 
 @kernel
-def keep_lamp(block, workspace, lamp):
+def keep_only_lamp(block, workspace, lamp):
     """Replaces ``next_event.restore_lamp_cut`` if one emitter gives all the light and no ray passes a scattering
     surface: the cut is that of the last light ray."""
 
@@ -174,7 +174,7 @@ def select_only(block, number, x, n, u, cut):
 
 
 @kernel
-def only_probability(block, number, x, n, emitter, cut):
+def single_light_probability(block, number, x, n, emitter, cut):
     """Replaces ``tree.selection_probability``, likewise."""
     return 1.0 if emitter == block.only_emitter else 0.0
 

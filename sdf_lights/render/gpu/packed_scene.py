@@ -107,7 +107,7 @@ def _with_tables(numbers: np.ndarray, addresses: list[int]) -> np.ndarray:
     found = np.concatenate([numbers, *(as_float32(table) for table in tables)])
     if len(found) > MOST_NUMBERS:
         raise DeviceError(
-            f"outlines, curves and grids of lamps have {len(found):,} numbers, and it can tell {MOST_NUMBERS:,} apart"
+            f"outlines, curves and grids of lamps have {len(found):,} numbers, but it can address at most {MOST_NUMBERS:,}"
         )
     return found
 
@@ -245,8 +245,8 @@ class GpuScene:
             used += len(compiled.parameters)
         if self.formulas.nodes > lamp_kernels.MOST_NODES:
             raise DeviceError(
-                f"the formulas of the scene's lamps have {self.formulas.nodes} nodes together, and drivers "
-                f"are given {lamp_kernels.MOST_NODES} at most"
+                f"the formulas of the scene's lamps have {self.formulas.nodes} nodes together, but the "
+                f"limit is {lamp_kernels.MOST_NODES}"
             )
         tables["lamp_parameters"] = _with_tables(np.concatenate(numbers), addresses)
         tables["lamp_walk"] = field_crossings.flat_nodes(tables["lamp_nodes"])
@@ -301,9 +301,9 @@ class GpuScene:
         }
         return {name: (dtypes[name], count) for name, count in counts.items()}
 
-    def suits(self, other: GpuScene) -> bool:
+    def shares_program_with(self, other: GpuScene) -> bool:
         """Whether the program of this scene is also that of another one, which differs by motion."""
-        return self._constants() == other._constants() and self.tables.suits(other.tables)
+        return self._constants() == other._constants() and self.tables.shares_program_with(other.tables)
 
     def _constants(self) -> tuple:
         """What a program has in it beside its tables, as far as things that move can change it."""

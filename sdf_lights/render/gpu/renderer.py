@@ -127,8 +127,8 @@ class GpuRenderer:
         moves = [instance.motion is not None for instance in scene.instances]
         moves += [mesh.motion is not None for mesh in scene.meshes]
         packed = self._packed_at(index, None if any(moves) else hierarchy)
-        if self._packed.suits(packed):
-            packed.tables.take(self._packed.tables)
+        if self._packed.shares_program_with(packed):
+            packed.tables.use_program_of(self._packed.tables)
         else:
             self._program = self._device.program(context, packed.source())
         for made in self._loaded:
@@ -295,7 +295,7 @@ class GpuRenderer:
     def _shorten(self, samples: int) -> None:
         """Make dispatches shorter: the driver has ended the loops of one with so many samples."""
         if samples == 1:
-            raise DeviceError("its driver ends loops that take as many turns as rays through these lamps")
+            raise DeviceError("its driver stops loops that are as long as rays through these lamps need")
         self._longest = max(samples // 4, 1)
 
     def finish(self) -> None:

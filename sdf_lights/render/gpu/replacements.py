@@ -181,11 +181,13 @@ ALWAYS = {
 WITH_BOXES = {cut.prepare: lamp_kernels.prepare}
 WITHOUT_BOXES = {cut.sample: lamp_kernels.sample, cut.density: lamp_kernels.density}
 BY_PROJECTION = {next_event.prepare_lamp_cut: lamp_kernels.prepare_lamp_cut}  # if boxes are used but do not pay
-ONE_EMITTER = {tree.select: lamp_kernels.select_only, tree.selection_probability: lamp_kernels.only_probability}
-ONE_LIGHT_RAY = {next_event.restore_lamp_cut: lamp_kernels.keep_lamp}  # of one emitter, without transparent shadows
+ONE_EMITTER = {tree.select: lamp_kernels.select_only, tree.selection_probability: lamp_kernels.single_light_probability}
+ONE_LIGHT_RAY = {
+    next_event.restore_lamp_cut: lamp_kernels.keep_only_lamp
+}  # of one emitter, without transparent shadows
 NO_LAMPS = {next_event.sample_lamp_light: lamp_kernels.no_light, gather.last_lamp_exit: lamp_kernels.no_lamp_exit}
 
-CATCHERS = {emitters.reaches: catchers.reaches, linking.lights_up: catchers.lights_up}
+CATCHERS = {emitters.may_light: catchers.may_light, linking.is_in_light_tree: catchers.is_in_light_tree}
 
 GROUPS = ALWAYS, WITH_BOXES, WITHOUT_BOXES, BY_PROJECTION, ONE_EMITTER, ONE_LIGHT_RAY, NO_LAMPS, CATCHERS
 

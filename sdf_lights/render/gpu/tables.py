@@ -154,7 +154,7 @@ class Tables:
             self._values[key] = found
         return self._values[key]
 
-    def suits(self, other: Tables) -> bool:
+    def shares_program_with(self, other: Tables) -> bool:
         """Whether the program that was translated with these tables is also that of another scene with tables like
         these: places and constants are the same, and fields have no other values than the program expects."""
         if (self._near, self._second, self._single) != (other._near, other._second, other._single):
@@ -171,8 +171,8 @@ class Tables:
                 return False
         return True
 
-    def take(self, other: Tables) -> None:
-        """Use the program of other tables, which ``suits``."""
+    def use_program_of(self, other: Tables) -> None:
+        """Use the program of other tables, which ``shares_program_with``."""
         self.used_scalars = other.used_scalars
 
     # For the GPU

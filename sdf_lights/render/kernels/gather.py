@@ -19,7 +19,7 @@ from .lamp_tree import found_table, lamps_along
 from .media import dispatch as media
 from .media.beams import attenuation
 from .media.records import inside_table
-from .next_event import bsdf_mis_pdf, competes, lamp_pdf, restore_lamp_cut, selection_normal
+from .next_event import bsdf_mis_pdf, lamp_pdf, mis_applies, restore_lamp_cut, selection_normal
 from .path import CAMERA, EMISSION_SET, contribute, of_instance, path_table, show_environment, subtract_alpha
 from .samplers import get_1d
 from .workspace import cut_of, hit_table, light_cut_of, spans_of
@@ -41,7 +41,7 @@ def _mis(block, workspace, emitter, pdf):
     path = path_table(workspace)[0]
     if path.pdf <= 0.0:
         return 1.0
-    if not competes(block, emitter) or not lights.reaches(block, emitter, path.bounce - 1):
+    if not mis_applies(block, emitter) or not lights.may_light(block, emitter, path.bounce - 1):
         return 0.0
     pmf = lights.selection_probability(
         block,
@@ -62,7 +62,7 @@ def _lamp_mis(block, workspace, lamp, count):
     path = path_table(workspace)[0]
     if path.pdf <= 0.0:
         return 1.0
-    if not competes(block, lamp) or not lights.reaches(block, lamp, path.bounce - 1):
+    if not mis_applies(block, lamp) or not lights.may_light(block, lamp, path.bounce - 1):
         return 0.0
     cut = cut_of(workspace)
     origin, normal = vec(path.origin), vec(path.normal)
@@ -81,13 +81,13 @@ def _lamp_mis(block, workspace, lamp, count):
 def counts(block, workspace, lamp):
     """Whether a lamp that the path's ray may cross counts there: at broad lobes the cut may be all that is needed."""
     path = path_table(workspace)[0]
-    if block.has_media and path.in_medium or not lights.lights_up(block, path.light_tree, lamp):
+    if block.has_media and path.in_medium or not lights.is_in_light_tree(block, path.light_tree, lamp):
         return False
     if path.pdf <= 0.0 or path.glossy_pdf > 0.0:
         return True
     cut = cut_of(workspace)
     restore_lamp_cut(block, workspace, lamp)
-    return cut.bsdf_mis_scale > NO_BSDF_RAYS and competes(block, lamp)
+    return cut.bsdf_mis_scale > NO_BSDF_RAYS and mis_applies(block, lamp)
 
 
 @kernel
@@ -206,7 +206,7 @@ def gather_surface(block, workspace):
     path = path_table(workspace)[0]
     surface = surface_table(workspace)[0]
     radiance = vec(surface.emission)
-    if _nothing(radiance) or not lights.emission_lights_up(block, path.light_tree, surface.instance):
+    if _nothing(radiance) or not lights.emission_is_linked(block, path.light_tree, surface.instance):
         return
     weight = 1.0
     if path.pdf > 0.0:

@@ -151,9 +151,9 @@ def _leave_to_light_paths(block, workspace, path, wi, kind):
     if kind & SINGULAR and path.follow & FOLLOW_ALL == 0:
         path.connects = NOWHERE
         return
-    light_paths.take(block, workspace, wi)
+    light_paths.record_connected(block, workspace, wi)
     if block.light_path_all:
-        put(path.throughput, mul(vec(path.throughput), sub(WHITE, vec(path.taken))))
+        put(path.throughput, mul(vec(path.throughput), sub(WHITE, vec(path.connection_weight))))
         path.connects = NOWHERE
 
 
@@ -251,9 +251,9 @@ def start_path(block, workspace, x, y):
     path.bounce = path.diffuse = path.glossy = path.transmission = path.volume = path.transparent = path.last = 0
     path.event, path.in_medium, path.crossed, path.catches, path.connects = AT_SURFACE, 0, 0, 0, NOWHERE
     path.stopped = 0
-    path.left = 1.0
+    path.path_weight = 1.0
     path.dimension = CAMERA_SETS
-    path.share, path.scattered, path.light_tree = 1.0, 0, 0
+    path.branch_weight, path.scattered, path.light_tree = 1.0, 0, 0
     path.kept = path.found = -1
     clear_self_primitive(ray_table(workspace)[0])
     if block.has_media:
@@ -401,8 +401,8 @@ def shade_and_scatter(block, workspace, whole):
                 media.bounds(block, workspace, media.CROSS)
             return GOES_ON
     two_sided, has_glossy, scattered, light_tree = path.two_sided, path.has_glossy, path.scattered, path.light_tree
-    passed, last, connects, taken = path.transparent, path.last, path.connects, vec(path.taken)
-    if block.light_paths and path.connects and not light_paths.weigh(block, workspace):
+    passed, last, connects, weight = path.transparent, path.last, path.connects, vec(path.connection_weight)
+    if block.light_paths and path.connects and not light_paths.apply_path_weight(block, workspace):
         return ENDS
     if surface.evaluable > 0 and not last:
         sample_direct_light(block, workspace)
@@ -417,7 +417,7 @@ def shade_and_scatter(block, workspace, whole):
         path.two_sided, path.has_glossy, path.scattered, path.light_tree = two_sided, has_glossy, scattered, light_tree
         if block.light_paths and not surface.portal:
             path.connects = connects
-            put(path.taken, taken)
+            put(path.connection_weight, weight)
         cut_of(workspace).lamp = -1
     path.dimension += VERTEX_SETS
     return GOES_ON

@@ -38,13 +38,13 @@ NO_RAY = 0  # light sampling evaluates emission for all kinds of rays at once, a
 
 
 @kernel
-def competes(block, emitter):
+def mis_applies(block, emitter):
     """Whether rays that scatter in any way can meet the emitter, so that both estimates share its light by MIS.
 
     One that is hidden from some kinds of rays is left to light sampling, and to singular scattering; so is one whose
     shadows not all cast.
     """
-    return lights.competes(block, emitter, SCATTERED)
+    return lights.can_be_hit(block, emitter, SCATTERED)
 
 
 @kernel
@@ -146,7 +146,7 @@ def record_scattering_lobes(block, workspace, wi, emitter):
 def leave_to_light_paths(block, workspace, wi, emitter):
     """Leave to connections what they estimate of the light of a light ray along wi, where they do so."""
     if block.light_paths and path_table(workspace)[0].connects == BEYOND and light_path_sources(block)[emitter]:
-        light_paths.take(block, workspace, wi)
+        light_paths.record_connected(block, workspace, wi)
 
 
 @kernel
@@ -195,7 +195,7 @@ def sample_lamp_light(block, workspace, lamp, pmf, u, u1, u2, u3):
     count = lamps.trace(block, lamp, x, wi, spans)
     if count == 0:
         return
-    rival = bsdf_mis_pdf(cut, pdf, glossy_pdf) if competes(block, lamp) else 0.0
+    rival = bsdf_mis_pdf(cut, pdf, glossy_pdf) if mis_applies(block, lamp) else 0.0
     pdf_sum = pmf * lamp_pdf(block, workspace, lamp, x, wi, count) + rival
     if block.has_media:
         begin_light_ray(block, workspace, n, wi)
@@ -219,7 +219,7 @@ def sample_direct_light(block, workspace):
     emitter, pmf, u0 = lights.select(
         block, path.light_tree, x, selection_normal(path, n), u[0], light_cut_of(workspace)
     )
-    if pmf <= 0.0 or not lights.reaches(block, emitter, path.bounce):
+    if pmf <= 0.0 or not lights.may_light(block, emitter, path.bounce):
         return
     scatters = path.bounce + 1
     if emitter < block.lamp_count:
@@ -244,7 +244,7 @@ def sample_direct_light(block, workspace):
     elif block.emission_graphs:
         radiance = modulated(block, workspace, emitter, radiance, x, wi, distance, NO_RAY)
     radiance = mul(weight, radiance)
-    if singular or not competes(block, emitter):
+    if singular or not mis_applies(block, emitter):
         scatter_pdf = 0.0
     record_scattering_lobes(block, workspace, wi, emitter)
     leave_to_light_paths(block, workspace, wi, emitter)

@@ -17,7 +17,7 @@ from ...emitter.sampling import cut as cuts
 from ...emitter.sampling import external, strategies
 from ...jit import block_dtype
 from ..material import Node
-from ..motion import at, light_steps, thing_at
+from ..motion import at, light_steps, object_at
 from ..scene import Instance, Lamp, Mesh, Primitive, Scene
 from ..settings import LampSampling
 from ..strands import margin
@@ -199,7 +199,7 @@ def pack_elsewhere(scene: Scene, sources: list[Lamp], materials: np.ndarray) -> 
 
 def _lamp_there(lamp: Lamp, time: float) -> Lamp:
     """A lamp at a time: its shape and the pattern of its emission are those of the frame, and its power is never 0."""
-    there = thing_at(lamp, time)
+    there = object_at(lamp, time)
     least = 1e-9 * lamp.power
     density = None if lamp.density is None else max(there.density or 0.0, 1e-9 * lamp.density)
     return replace(there, shape=lamp.shape, emission=lamp.emission, power=max(there.power, least), density=density)

@@ -66,17 +66,18 @@ SAMPLE = np.dtype(
 # ``two_sided`` is 1 if light on either side of that surface counted, ``has_glossy`` if it has microfacets, and
 # ``scattered`` is the number of scatterings after it. ``found`` lamps along the ray are in ``lamps_found``; −1: not
 # searched yet. ``light_tree`` is that of the last scattering object, 0 for the camera: the ray can hit its emitters.
-# ``share`` is the fraction of the sample that the path represents, 1 until it splits, and ``index`` its index in the
-# sampling pattern. ``expected``: for a branch, an estimate of its light, from the irradiance at its hit; ``brought``:
-# its contribution to the sample, as a sum of RGB. ``event`` says where the ray ends, ``in_medium`` is 1 if a medium was
-# the last to scatter the path, and it has ``crossed`` so many surfaces that only bound media. ``connects`` is BEFORE
-# along a ray from the surface where the path split, if connections to light paths estimate the light of its next hit,
-# too; of that, they can estimate the part ``taken`` (RGB). It is BEYOND from the next surface on: then they do estimate
-# the part ``taken`` of what lamps add in the present direction, and ``share_taken`` (RGB) of what the surface scatters
-# by those closures that light paths ``follow`` there. ``left`` is the part that they are expected to leave to the ray,
-# if Russian roulette has counted on that; else 1. ``stopped`` is not 0 if the ray has passed a surface that stops light
-# rays. ``catches`` is 1 once the camera's path has hit a shadow catcher.
-# ``spans`` still holds the ``kept_count`` intervals of the lamp ``kept`` along the ray; −1: of none.
+# ``branch_weight`` is the fraction of the sample that the path represents, 1 until it splits, and ``index`` its index
+# in the sampling pattern. ``expected``: for a branch, an estimate of its light, from the irradiance at its hit;
+# ``brought``: its contribution to the sample, as a sum of RGB. ``event`` says where the ray ends, ``in_medium`` is 1 if
+# a medium was the last to scatter the path, and it has ``crossed`` so many surfaces that only bound media. ``connects``
+# is BEFORE along a ray from the surface where the path split, if connections to light paths estimate the light of its
+# next hit, too; of that, they can estimate the part ``connection_weight`` (RGB). It is BEYOND from the next surface on:
+# then they do estimate the part ``connection_weight`` of what lamps add in the present direction, and
+# ``diffuse_connection_weight`` (RGB) of what the surface scatters by those closures that light paths ``follow`` there.
+# ``path_weight`` is the part that they are expected to leave to the ray, if Russian roulette has counted on that;
+# else 1. ``stopped`` is not 0 if the ray has passed a surface that stops light rays. ``catches`` is 1 once the camera's
+# path has hit a shadow catcher. ``spans`` still holds the ``kept_count`` intervals of the lamp ``kept`` along the ray;
+# −1: of none.
 PATH = np.dtype(
     [
         ("origin", "f8", 3),
@@ -111,7 +112,7 @@ PATH = np.dtype(
         ("index", "i8"),
         ("seed", "u4"),
         ("dimension", "i8"),
-        ("share", "f8"),
+        ("branch_weight", "f8"),
         ("expected", "f8"),
         ("brought", "f8"),
         ("alive", "i8"),
@@ -120,10 +121,10 @@ PATH = np.dtype(
         ("crossed", "i8"),
         ("catches", "i8"),
         ("connects", "i8"),
-        ("taken", "f8", 3),
-        ("share_taken", "f8", 3),
+        ("connection_weight", "f8", 3),
+        ("diffuse_connection_weight", "f8", 3),
         ("follow", "i8"),
-        ("left", "f8"),
+        ("path_weight", "f8"),
     ],
     align=True,
 )
@@ -164,13 +165,13 @@ def contribute(block, workspace, radiance, factor, source, scatters):
     sample = sample_table(workspace)[0]
     value = scale(mul(vec(path.throughput), radiance), factor)
     if block.light_paths and path.connects == BEYOND and source >= 0 and light_path_sources(block)[source]:
-        value = mul(value, sub(WHITE, vec(path.taken)))
+        value = mul(value, sub(WHITE, vec(path.connection_weight)))
     limit = block.clamp_indirect if scatters > 1 else block.clamp_direct
     if limit > 0.0:
         brightness = value[0] + value[1] + value[2]
         if brightness > limit:
             value = scale(value, limit / brightness)
-    value = scale(value, path.share)
+    value = scale(value, path.branch_weight)
     put_sum(sample.combined, value)
     if 0 <= source < block.lamp_count and not path.catches:
         put_sum(sample.lamps, value)
@@ -189,7 +190,7 @@ def show_environment(workspace, radiance):
     path = path_table(workspace)[0]
     sample = sample_table(workspace)[0]
     if not path.catches:
-        put_sum(sample.environment, scale(mul(vec(path.throughput), radiance), path.share))
+        put_sum(sample.environment, scale(mul(vec(path.throughput), radiance), path.branch_weight))
 
 
 @kernel

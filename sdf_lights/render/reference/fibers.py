@@ -30,10 +30,10 @@ class Fiber(Lobe):
     glossy = True
 
     def kind(self, wi):
-        through = np.where(self.strand, self.goes_through(), dot(self.facing, wi) < 0.0)
+        through = np.where(self.strand, self.is_transmission(), dot(self.facing, wi) < 0.0)
         return np.where(through, int(Ray.TRANSMISSION), int(Ray.GLOSSY))
 
-    def goes_through(self):
+    def is_transmission(self):
         """Whether the directions that were drawn on a curve count as transmission."""
         raise NotImplementedError
 
@@ -54,7 +54,7 @@ class Hair(Fiber):
     """Marschner's lobe of reflection, or of transmission where it ``transmits``: Cauchy distributions of widths
     ``along`` and ``around`` (N,), tilted by ``tilt`` (N,)."""
 
-    def goes_through(self):
+    def is_transmission(self):
         return self.transmits
 
     def _seen(self, w):
@@ -178,7 +178,7 @@ class Chiang(Round):
 
     widths = ("v", "v0", "s")
 
-    def goes_through(self):
+    def is_transmission(self):
         return self._order > 0
 
     def orders(self, wo):
@@ -230,7 +230,7 @@ class Huang(Round):
 
     widths = ("alpha",)
 
-    def goes_through(self):
+    def is_transmission(self):
         return False
 
     def evaluate(self, wo, wi):

@@ -18,7 +18,7 @@ from .vectors import dot
 NO_CONTROL = Control()
 
 
-def competes(visibility: Ray, control: Control = NO_CONTROL) -> bool:
+def mis_applies(visibility: Ray, control: Control = NO_CONTROL) -> bool:
     """Whether every scattered ray can hit an emitter, so that light sampling and BSDF sampling share its light.
 
     An emitter hidden from some rays is left to light sampling, and to singular scattering; so is one with shadow
@@ -41,7 +41,7 @@ def balance_weight(
     """Balance heuristic (N,) for emission that rays have hit, with the density ``paths.pdf``; 1 if that is 0. Behind
     what stops light rays, the power heuristic of Cycles."""
     pdf = paths.pdf
-    if not competes(visibility, control):
+    if not mis_applies(visibility, control):
         return np.where(pdf > 0.0, 0.0, 1.0)
     light_pdf = light_pdf * data.light_samples
     weight = np.where(pdf > 0.0, pdf / np.where(pdf > 0.0, pdf + light_pdf, 1.0), 1.0)

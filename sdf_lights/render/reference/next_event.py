@@ -10,7 +10,7 @@ import numpy as np
 
 from ..scene import ALL_SETS, Ray
 from ..scene import Emitter as Control
-from .gather import NO_CONTROL, competes, contribute, is_lit
+from .gather import NO_CONTROL, contribute, is_lit, mis_applies
 from .geometry import Surface
 from .hits import Hits
 from .materials import Shading
@@ -88,9 +88,9 @@ def _sample_emitter(data: SceneData, emitter, paths, surface, shading, samples, 
         if emitter.cast_shadow:
             light = light * _transmitted(data, paths, surface, wi, end, casts, rng)
     if owner is not None:
-        rivals = np.array([competes(instance.visibility, instance) for instance in data.scene.instances])
+        rivals = np.array([mis_applies(instance.visibility, instance) for instance in data.scene.instances])
         scatter_pdf = np.where(rivals[owner[rows]], scatter_pdf, 0.0)
-    elif not competes(emitter.visibility, control) or getattr(emitter, "singular", False):
+    elif not mis_applies(emitter.visibility, control) or getattr(emitter, "singular", False):
         scatter_pdf = np.zeros(count)
     density = pdf * data.light_samples + scatter_pdf
     light = scattered * light * np.where(pdf > 0.0, 1.0 / np.where(pdf > 0.0, density, 1.0), 0.0)[:, None]

@@ -91,14 +91,16 @@ MEANS = {
 def test_mean_over_the_volume(name):
     """Within the bound that is stated, and that is small."""
     shape, text, expected = MEANS[name]
-    found = build.measured(shape, emission(text)).weighed
+    found = build.measured(shape, emission(text)).emission_moments
     assert found.error < 5e-3
     assert found.mean == pytest.approx(expected, rel=found.error)
 
 
 def test_a_spot_is_found():
     """A bright ball of a two-thousandth of the volume, with an edge that no sampling resolves well."""
-    found = build.measured(Union(Sphere(R), Box(0.2)), emission("step(length(p - (0.2, 0.1, 0)), 0.04)")).weighed
+    found = build.measured(
+        Union(Sphere(R), Box(0.2)), emission("step(length(p - (0.2, 0.1, 0)), 0.04)")
+    ).emission_moments
     assert found.error < 0.02
     assert found.mean == pytest.approx((0.04 / R) ** 3, rel=found.error)
 
@@ -109,7 +111,7 @@ def test_a_spot_is_found():
 def test_cells_follow_the_emission(shape):
     """Masses are those of the emission, divide their parents', and come to the volume."""
     volume = build.volume_of(shape)[0]
-    cells = build.measured(shape, emission("exp(4 * p.x) * (1 + 0.5 * sin(20 * p.y))")).weighed.cells
+    cells = build.measured(shape, emission("exp(4 * p.x) * (1 + 0.5 * sin(20 * p.y))")).emission_moments.cells
     assert cells["mass"][0] == pytest.approx(volume, rel=1e-9) and cells["volume"][0] == pytest.approx(volume, rel=1e-9)
     inner = cells[cells["first"] >= 0]
     left, right = cells[inner["first"]], cells[inner["first"] + 1]
@@ -126,7 +128,7 @@ def test_cells_follow_the_emission(shape):
 
 
 def test_a_steep_emission_is_resolved_in_a_single_box():
-    cells = build.measured(Box(0.5), emission("exp(-40 * length(p - (0.5, 0.5, 0.5)))")).weighed.cells
+    cells = build.measured(Box(0.5), emission("exp(-40 * length(p - (0.5, 0.5, 0.5)))")).emission_moments.cells
     leaves = cells[cells["first"] < 0]
     brightest = leaves[np.argsort(leaves["mass"] / leaves["volume"])[-8:]]
     assert np.all(brightest["low"] > 0.4) and (brightest["high"] - brightest["low"]).max() < 0.07
@@ -286,7 +288,7 @@ def test_what_counts_as_zero_is_said():
     built = glowing(Box(0.5), "p.x + 0.25")
     (remark,) = remarks.doubts([built])
     assert "Lamp “glow”: its emission is negative in 2" in remark
-    assert built.emission.weighed.mean == pytest.approx(0.75**2 / 2.0, rel=2e-3)
+    assert built.emission.emission_moments.mean == pytest.approx(0.75**2 / 2.0, rel=2e-3)
     (remark,) = remarks.doubts([glowing(Box(0.5), "1 / max(p.x, 0)")])
     assert "undefined or infinite in " in remark
     assert remarks.doubts([glowing(Box(0.5), "depth")]) == []

@@ -12,9 +12,9 @@ from . import connections, dispatch, tree
 KERNELS = {
     dispatch.CHOOSE: (tree.choose, 1),
     dispatch.CONNECT: (connections.connect, 1),
-    dispatch.TAKE: (connections.take, 3),
-    dispatch.FORESEE: (connections.foresee, 1),
-    dispatch.WEIGH: (connections.weigh, 1),
+    dispatch.RECORD_CONNECTED: (connections.record_connected, 3),
+    dispatch.PATH_WEIGHT: (connections.estimated_path_weight, 1),
+    dispatch.APPLY_PATH_WEIGHT: (connections.apply_path_weight, 1),
 }
 
 

@@ -45,7 +45,7 @@ from .records import (
 
 CONNECTIONS = 1  # for each ray that scatters at x
 RELIEF = 0.5
-CONNECTION_SETS, KIND_SETS, WEIGH_SETS = 1 << 25, 1 << 26, 1 << 27  # of random numbers, beside those of path.py
+CONNECTION_SETS, KIND_SETS, ROULETTE_SETS = 1 << 25, 1 << 26, 1 << 27  # of random numbers, beside those of path.py
 
 
 @kernel
@@ -149,25 +149,25 @@ def _connect_with(block, workspace, x, n, vertex, factor, kinds):
 
 
 @kernel
-def take(block, workspace, x, y, z):
+def record_connected(block, workspace, x, y, z):
     """Note what part of the light from the direction (x, y, z) connections estimate, once the path's surface has
-    scattered that: ``share_taken`` of what closures scatter that light paths ``follow`` there."""
+    scattered that: ``diffuse_connection_weight`` of what closures scatter that light paths ``follow`` there."""
     path, wi = path_table(workspace)[0], (x, y, z)
     if path.follow & FOLLOW_ALL:
-        put(path.taken, vec(path.share_taken))
+        put(path.connection_weight, vec(path.diffuse_connection_weight))
     elif path.follow & FOLLOW_DIFFUSE == 0:
-        put(path.taken, ZERO)
+        put(path.connection_weight, ZERO)
     else:
         diffuse, _, _ = evaluate(block, workspace, wi, DIFFUSE)
         total, _, _ = evaluate(block, workspace, wi, DIFFUSE | GLOSSY | TRANSMISSION)
         for axis in range(3):
             part = diffuse[axis] / total[axis] if total[axis] > 0.0 else 0.0
-            path.taken[axis] = path.share_taken[axis] * part
+            path.connection_weight[axis] = path.diffuse_connection_weight[axis] * part
     return 0.0
 
 
 @kernel
-def foresee(block, workspace, _):
+def estimated_path_weight(block, workspace, _):
     """The part of the light from where the path's ray has met a surface that connections leave to it, as far as known
     before that is shaded."""
     path, ray = path_table(workspace)[0], ray_table(workspace)[0]
@@ -182,11 +182,13 @@ def foresee(block, workspace, _):
     if dot(normal, wi) > 0.0:
         normal = negate(normal)
     y = madd(x, path.length, wi)
-    return 1.0 - average(vec(path.taken)) * weight(block, workspace, x, vec(path.normal), y, normal, wi, path.length)
+    return 1.0 - average(vec(path.connection_weight)) * weight(
+        block, workspace, x, vec(path.normal), y, normal, wi, path.length
+    )
 
 
 @kernel
-def weigh(block, workspace, _):
+def apply_path_weight(block, workspace, _):
     """Leave to connections what they find of the light that the surface of the workspace scatters. 0 if the path ends.
 
     They find w₁ of what is scattered diffusely where the ray from x arrives, and later what light paths follow. The
@@ -198,7 +200,7 @@ def weigh(block, workspace, _):
     flags = material_table(block)[surface.material] if triangle else 0
     if path.connects == BEYOND:
         path.follow = flags
-        put(path.share_taken, vec(path.taken))
+        put(path.diffuse_connection_weight, vec(path.connection_weight))
         return 1.0
     path.connects, path.follow = BEYOND, flags & ~FOLLOW_ALL
     x, y = vec(path.origin), vec(surface.position)
@@ -210,8 +212,8 @@ def weigh(block, workspace, _):
     if part <= 0.0:
         path.connects = NOWHERE
         return 1.0
-    put(path.share_taken, scale(vec(path.taken), part))
-    rest = average(sub(WHITE, vec(path.share_taken)))
+    put(path.diffuse_connection_weight, scale(vec(path.connection_weight), part))
+    rest = average(sub(WHITE, vec(path.diffuse_connection_weight)))
     total, only_diffuse = 0.0, True
     for index in range(surface.closure_count):
         closure = closures[index]
@@ -222,9 +224,9 @@ def weigh(block, workspace, _):
             only_diffuse = False
     if only_diffuse:
         path.follow |= FOLLOW_ALL
-    survival = min(max(total / path.left, block.light_path_roulette), 1.0)
+    survival = min(max(total / path.path_weight, block.light_path_roulette), 1.0)
     if survival < 1.0:
-        if get_1d(path.index, path.seed, path.dimension + WEIGH_SETS) >= survival:
+        if get_1d(path.index, path.seed, path.dimension + ROULETTE_SETS) >= survival:
             return 0.0
         put(path.throughput, scale(vec(path.throughput), 1.0 / survival))
     return 1.0

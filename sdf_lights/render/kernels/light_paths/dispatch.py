@@ -9,7 +9,7 @@ import numpy as np
 from ....jit import call_part, kernel, table
 
 # Places of the addresses, which are 0 where a scene has no light paths.
-PLACES = CHOOSE, CONNECT, TAKE, FORESEE, WEIGH = range(5)
+PLACES = CHOOSE, CONNECT, RECORD_CONNECTED, PATH_WEIGHT, APPLY_PATH_WEIGHT = range(5)
 
 _code = table("light_path_code", np.int64)
 
@@ -27,18 +27,18 @@ def connect(block, workspace):
 
 
 @kernel
-def take(block, workspace, wi):
-    """See ``connections.take``."""
-    call_part(_code(block)[TAKE], block, workspace, (wi[0], wi[1], wi[2]), 1)
+def record_connected(block, workspace, wi):
+    """See ``connections.record_connected``."""
+    call_part(_code(block)[RECORD_CONNECTED], block, workspace, (wi[0], wi[1], wi[2]), 1)
 
 
 @kernel
-def foresee(block, workspace):
-    """See ``connections.foresee``."""
-    return call_part(_code(block)[FORESEE], block, workspace, (0.0,), 1)[0]
+def estimated_path_weight(block, workspace):
+    """See ``connections.estimated_path_weight``."""
+    return call_part(_code(block)[PATH_WEIGHT], block, workspace, (0.0,), 1)[0]
 
 
 @kernel
-def weigh(block, workspace):
-    """See ``connections.weigh``."""
-    return call_part(_code(block)[WEIGH], block, workspace, (0.0,), 1)[0] > 0.0
+def apply_path_weight(block, workspace):
+    """See ``connections.apply_path_weight``."""
+    return call_part(_code(block)[APPLY_PATH_WEIGHT], block, workspace, (0.0,), 1)[0] > 0.0

@@ -68,7 +68,7 @@ def _start(block, index, total, seed):
     row = lamp_table(block)[lamp]
     if not _power(block, lamp) > 0.0:
         return -1, ZERO, ZERO, ZERO
-    offset = lamps.way_inside(block, lamp, vec(row.center), u[1], u[2], u[3])
+    offset = lamps.interior_offset(block, lamp, vec(row.center), u[1], u[2], u[3])
     v = get_2d(index, seed, 1)
     z, around = 1.0 - 2.0 * v[0], 2.0 * math.pi * v[1]
     s = math.sqrt(max(1.0 - z * z, 0.0))

@@ -6,13 +6,13 @@ from .along import select_along
 from .emitters import (
     blockers,
     camera_brightness,
+    can_be_hit,
     casts_shadow,
-    competes,
     emitter_normal,
     is_lamp,
     is_triangle,
     light_hits,
-    reaches,
+    may_light,
     sample_light,
     triangle_emitter,
     triangle_pdf,
@@ -22,7 +22,7 @@ from .emitters import (
     world_emitter,
 )
 from .environment import pdf_in_cycles, world_pdf, world_radiance
-from .linking import emission_lights_up, lights_up, open_tree, shadow_bits, tree_of
+from .linking import emission_is_linked, is_in_light_tree, open_tree, shadow_bits, tree_of
 from .pack import TABLES, hit_capacity, pack_lights, pack_near
 from .records import HIT, WORKSPACE_COUNTS, WORKSPACE_TABLES, light_cut_table
 from .tree import irradiance, select, selection_probability
@@ -39,8 +39,8 @@ __all__ = [
     "blockers",
     "camera_brightness",
     "casts_shadow",
-    "competes",
-    "emission_lights_up",
+    "can_be_hit",
+    "emission_is_linked",
     "emitter_normal",
     "hit_capacity",
     "irradiance",
@@ -48,12 +48,12 @@ __all__ = [
     "is_triangle",
     "light_cut_table",
     "light_hits",
-    "lights_up",
+    "is_in_light_tree",
     "open_tree",
     "pack_lights",
     "pack_near",
     "pdf_in_cycles",
-    "reaches",
+    "may_light",
     "sample_light",
     "select",
     "select_along",

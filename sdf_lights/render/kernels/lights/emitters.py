@@ -10,7 +10,7 @@ from ....vec import largest, put
 from . import kinds, triangle
 from .environment import sample_world, world_radiance
 from .kinds import LAMP, TRIANGLE, WORLD
-from .linking import lights_up
+from .linking import is_in_light_tree
 from .records import (
     emitter_table,
     header_table,
@@ -56,7 +56,11 @@ def light_hits(block, number, o, d, t_max, ray_kind, hits):
     count = 0
     for emitter in range(header.lamp_count, header.lamp_count + header.light_count):
         row = emitters[emitter]
-        if row.met & ray_kind == 0 or (row.leaf < 0 and row.infinite < 0) or not lights_up(block, number, emitter):
+        if (
+            row.met & ray_kind == 0
+            or (row.leaf < 0 and row.infinite < 0)
+            or not is_in_light_tree(block, number, emitter)
+        ):
             continue
         distance, radiance, pdf = kinds.hit(row.kind, block, row.index, o, d)
         if distance > 0.0 and (distance < t_max or distance == t_max == math.inf) and largest(radiance) > 0.0:
@@ -100,13 +104,13 @@ def blockers(block, emitter):
 
 @replaced_on_gpu
 @kernel
-def reaches(block, emitter, bounces):
+def may_light(block, emitter, bounces):
     """Whether the emitter may light a vertex of a path after so many bounces."""
     return bounces <= emitter_table(block)[emitter].max_bounces
 
 
 @kernel
-def competes(block, emitter, kinds):
+def can_be_hit(block, emitter, kinds):
     """Whether rays of all of these kinds of ``scene.Ray`` can hit the emitter as light rays find it."""
     row = emitter_table(block)[emitter]
     return row.met & kinds == kinds and row.alone == 0

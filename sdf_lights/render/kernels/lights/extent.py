@@ -21,7 +21,7 @@ class Extent(NamedTuple):
     two_sided: bool = False
 
 
-class Far(NamedTuple):
+class DistantLight(NamedTuple):
     """For a light at infinity: its irradiance on a surface that faces it, and the direction to it."""
 
     irradiance: float

@@ -42,20 +42,20 @@ def shadow_bit(bits: dict[int, int], blockers: int) -> int:
 def pack_trees(
     tables: dict[str, np.ndarray],
     scene: Scene,
-    lights_up: Callable[[int], np.ndarray],
+    is_in_light_tree: Callable[[int], np.ndarray],
     build: Callable[[np.ndarray | None], tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]],
 ) -> None:
     """Fill the tables of all light trees. Returns which of them belongs to which instance.
 
-    ``lights_up`` gives (emitters,) bool, whether each lights a set of instances. ``build`` makes a tree of some (None:
-    all) of the emitters: its nodes, its infinite emitters, and (emitters,) their leaves and their rows among the
+    ``is_in_light_tree`` gives (emitters,) bool, whether each lights a set of instances. ``build`` makes a tree of some
+    (None: all) of the emitters: its nodes, its infinite emitters, and (emitters,) their leaves and their rows among the
     infinite ones.
     """
     numbers, chosen, links = {}, [None], []
     known: dict[bytes, int] = {}
     if any(member.receivers != ALL_SETS for member in _members(scene)):
         for number in sorted({OPEN_SET, *(instance.light_set for instance in scene.instances)}):
-            lit = lights_up(number)
+            lit = is_in_light_tree(number)
             glow = np.array([instance.receivers >> number & 1 for instance in scene.instances], np.int32)
             if lit.all() and glow.all():
                 numbers[number] = 0
@@ -118,7 +118,7 @@ def open_tree(block):
 
 @replaced_on_gpu
 @kernel
-def lights_up(block, number, emitter):
+def is_in_light_tree(block, number, emitter):
     """Whether an emitter that gives light is in tree ``number``."""
     if number == 0:
         return True
@@ -127,7 +127,7 @@ def lights_up(block, number, emitter):
 
 
 @kernel
-def emission_lights_up(block, number, instance):
+def emission_is_linked(block, number, instance):
     """Whether emission of an instance lights objects with the tree ``number``."""
     if number == 0:
         return True

@@ -14,7 +14,7 @@ from ...medium import hides_horizon
 from ...scene import ALL_SETS, MANY_BOUNCES, Emitter, Lamp, Ray, Scene, catches_shadows
 from ..rays import SHADOW_OPAQUE
 from . import environment, portals, records, triangle
-from .extent import Far
+from .extent import DistantLight
 from .kinds import KINDS, LAMP, TRIANGLE, WORLD, kind_of
 from .linking import pack_trees, shadow_bit, shadow_bits
 from .records import INFINITE, NODE
@@ -77,7 +77,7 @@ def pack_lights(
         leaf[below.emitter] = tree.nodes["order"][tree.leaf]
         return tree.nodes, own, leaf, place
 
-    def lights_up(number):
+    def is_in_light_tree(number):
         lit = np.ones(len(emitters), bool)
         lit[:world] = [member.receivers >> number & 1 for member in (*sources, *scene.lights)] + [1] * (
             world - len(sources) - lights
@@ -87,7 +87,7 @@ def pack_lights(
             lit[world + 1 :] = glow[triangles.instance]
         return lit
 
-    pack_trees(tables, scene, lights_up, build)
+    pack_trees(tables, scene, is_in_light_tree, build)
     return tables
 
 
@@ -214,7 +214,7 @@ def _pack_lights(tables, scene, first, infinite) -> list[Bounds]:
             )
             continue
         found = module.pack(row, light, rgb)
-        if isinstance(found, Far):
+        if isinstance(found, DistantLight):
             infinite.append((emitter, found.irradiance, found.irradiance, found.direction, 1))
         elif found is not None:
             bounds.append(_bounds(emitter, **found._asdict()))

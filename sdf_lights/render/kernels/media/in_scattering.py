@@ -19,7 +19,7 @@ from ....vec import add, average, dot, largest, length, madd, mul, scale, sub, v
 from ...scene import Ray
 from .. import lights
 from ..emission_graphs import modulated
-from ..next_event import NO_RAY, competes, shade_triangle
+from ..next_event import NO_RAY, mis_applies, shade_triangle
 from ..outputs.state import LIGHT_RAY, scattered_in_medium
 from ..path import LIGHT_SET, MEDIA_SETS, PLACE_SET, contribute, path_table
 from ..samplers import get_2d, get_4d
@@ -64,7 +64,7 @@ def light_ray(block, workspace, ray_length):
     )
     if not pmf > 0.0 or lights.visibility(block, emitter) & VOLUME == 0:
         return
-    if not lights.reaches(block, emitter, path.bounce):
+    if not lights.may_light(block, emitter, path.bounce):
         return
     scattered_in_medium(block, workspace, LIGHT_RAY)
     throughput = mul(vec(path.throughput), scattering)
@@ -101,7 +101,7 @@ def light_ray(block, workspace, ray_length):
     elif block.emission_graphs:
         radiance = modulated(block, workspace, emitter, radiance, x, wi, distance, NO_RAY)
     own = 1.0
-    if not singular and competes(block, emitter):
+    if not singular and mis_applies(block, emitter):
         # Phase function rays ask at x, too; the selection of the emitter is for the whole ray.
         at_x = pdf * lights.selection_probability(block, number, x, BLACK, emitter, light_cut_of(workspace))
         own = at_x / (at_x + phase_density)
@@ -118,7 +118,7 @@ def _light_by_lamp(block, workspace, lamp, pmf, start, ray_length, throughput, c
     count = LANES if path.bounce == 0 else FEW_PAIRS
     for lane in range(count):
         u1, u2, u3 = (u[0] + lane * _STEPS[0]) % 1.0, (u[1] + lane * _STEPS[1]) % 1.0, (u[2] + lane * _STEPS[2]) % 1.0
-        way = lamps.way_inside(block, lamp, start, u1, u2, u3)
+        way = lamps.interior_offset(block, lamp, start, u1, u2, u3)
         near = dot(way, d)
         height = math.sqrt(max(dot(way, way) - near * near, 0.0))
         place, place_density = draw_distance(

@@ -104,17 +104,19 @@ def _as_counted(surface, closure):
 @kernel
 def _microfacet_albedos(block, closure, cosine):
     """Albedos (RGB) of reflection and of refraction by a closure's microfacets, without its weight. As in Cycles,
-    multiple scattering loses no light."""
+    single scattering loses no light, and what is not reflected by a smooth surface is refracted."""
     f0, roughness = vec(closure.f0), math.sqrt(closure.alpha)
     if closure.kind == FACETS:
         roughness = math.sqrt(math.sqrt(closure.alpha * closure.a))
-        if closure.fresnel == FRESNEL_CONDUCTOR:
-            k = closure.edge
-            return (
-                fresnel.conductor(cosine, f0[0], k[0]),
-                fresnel.conductor(cosine, f0[1], k[1]),
-                fresnel.conductor(cosine, f0[2], k[2]),
-            ), ZERO
+        if closure.b > 0.0:
+            return vec(closure.film), ZERO
+    if closure.fresnel == FRESNEL_CONDUCTOR:
+        k = closure.edge
+        return (
+            fresnel.conductor(cosine, f0[0], k[0]),
+            fresnel.conductor(cosine, f0[1], k[1]),
+            fresnel.conductor(cosine, f0[2], k[2]),
+        ), ZERO
     r, t, _ = microfacet.reflectance(closure, cosine)
     if closure.fresnel == FRESNEL_F82:
         s = energy.schlick_albedo(block, cosine, roughness) / energy.reflection_albedo(block, cosine, roughness)
@@ -137,8 +139,9 @@ def _albedos(block, workspace):
         kind, weight = closure.kind, vec(closure.weight)
         if kind >= STRAIGHT or kind == PORTAL or is_diffuse(kind):
             continue
-        if kind == MICROFACET or kind == FACETS and closure.b == 0.0:
+        if kind == MICROFACET or kind == FACETS and not (closure.transmits and closure.b > 0.0):
             r, t = _microfacet_albedos(block, closure, dot(vec(closure.normal), vec(surface.wo)))
+            weight = scale(weight, closure.multiscatter[0])
             glossy, transmission = add(glossy, mul(weight, r)), add(transmission, mul(weight, t))
         elif kind == THIN_GLASS or kind == HAIR and closure.transmits:
             transmission = add(transmission, _as_counted(surface, closure))

@@ -137,6 +137,7 @@ def begin_microfacet(workspace, weight, n, roughness, ior):
         closure.reflects = 1
         closure.transmits = 0
         closure.singular = int(microfacet.is_singular(closure.alpha))
+        closure.multiscatter[0] = 1.0
     return index
 
 

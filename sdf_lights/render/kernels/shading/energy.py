@@ -69,6 +69,7 @@ def _compensate(closure, e, mean, single):
     """
     missing = (1.0 - e) / e
     if missing >= _RELEVANT:
+        closure.multiscatter[0] = e
         for i in range(3):
             f = min(single[i], 1.0)
             closure.weight[i] *= 1.0 + missing * f * mean / (1.0 - f * (1.0 - mean))

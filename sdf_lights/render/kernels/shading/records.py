@@ -159,8 +159,10 @@ CLOSURE = np.dtype(
         ("a", "f8"),  # Oren-Nayar: A; sheen: the LTC's A; FACETS: alpha across the tangent
         ("b", "f8"),  # Oren-Nayar: B; sheen: the LTC's B; FACETS: thickness of a film in nanometres
         ("c", "f8"),  # FACETS: index of the film relative to that of the side of wo
-        ("multiscatter", "f8", 3),  # Oren-Nayar
+        # Of Oren-Nayar. Of microfacets, the first: the part of the weight that is left without multiple scattering.
+        ("multiscatter", "f8", 3),
         ("tangent", "f8", 3),  # of anisotropic FACETS, and of hair
+        ("film", "f8", 3),  # reflectance of FACETS under a film, seen along wo
     ],
     align=True,
 )

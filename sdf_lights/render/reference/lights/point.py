@@ -11,7 +11,7 @@ from ..vectors import disk, dot, normalize, to_world, uniform_cone, uniform_sphe
 from .emitter import Emitter
 
 
-class Ball(Emitter):
+class SphereLight(Emitter):
     """Point and spot lights: a point, a sphere, or with soft falloff a disk that faces the lit point.
 
     P watts are a radiant intensity of P / 4π, and so a radiance of P / (4π · πr²).
@@ -82,4 +82,4 @@ class Ball(Emitter):
         return np.where(found, distance, np.inf), np.where(found[:, None], radiance, 0.0), np.where(found, pdf, 0.0)
 
 
-EMITTERS = {PointLight: Ball, SpotLight: Ball}
+EMITTERS = {PointLight: SphereLight, SpotLight: SphereLight}

@@ -12,7 +12,7 @@ from .....jit import kernel, table
 from .....vec import dot, sub, vec
 from ....lights.sun import SunLight
 from ..cone import cone_pdf, sample_cone
-from ..extent import Far, unit
+from ..extent import DistantLight, unit
 
 RECORD = np.dtype(
     [
@@ -27,7 +27,7 @@ LIGHT, TABLE = SunLight, "light_suns"
 rows = table(TABLE, RECORD)
 
 
-def pack(row, light, rgb) -> Far | None:
+def pack(row, light, rgb) -> DistantLight | None:
     """Strength is irradiance on a surface that faces the sun."""
     row["direction"] = unit(light.matrix[:3, 2])
     half = 0.5 * min(max(light.angle, 0.0), math.pi)
@@ -37,7 +37,7 @@ def pack(row, light, rgb) -> Far | None:
     if not row["direction"].any():
         row["radiance"] = 0.0
     elif irradiance > 0.0:
-        return Far(irradiance, row["direction"])
+        return DistantLight(irradiance, row["direction"])
     return None
 
 

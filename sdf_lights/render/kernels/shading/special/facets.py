@@ -282,8 +282,9 @@ def sample(block, workspace, index, u1, u2, u3):
 
 @kernel
 def smooth_albedo(block, closure, cosine):
-    """Reflectance and transmittance of a smooth surface."""
+    """Reflectance and transmittance of a smooth surface. Keeps the reflectance for passes."""
     r, t, _ = reflectance(block, closure, cosine)
+    put(closure.film, r)
     return add(r, t)
 
 

@@ -49,16 +49,24 @@ def _shape_metal(block, workspace, lobe, index, given):
 
 
 @kernel
+def _normal_and_roughness(block, workspace, lobe):
+    """The input normal of Metallic, the normal for its closure, and its roughness."""
+    given = normal(block, workspace, lobe.args[3])
+    roughness = saturate(number(block, workspace, lobe.args[2]))
+    return given, specular_normal(surface_table(workspace)[0], given), roughness
+
+
+@kernel
 def add_metallic(block, workspace, lobe, weight):
     """Metallic BSDF by its colours."""
-    lobe, surface = lobe_table(block)[int(lobe)], surface_table(workspace)[0]
+    lobe = lobe_table(block)[int(lobe)]
     args = lobe.args
-    given = normal(block, workspace, args[3])
+    given, shading, roughness = _normal_and_roughness(block, workspace, lobe)
     index = begin_metal(
         workspace,
         (weight, weight, weight),
-        specular_normal(surface, given),
-        saturate(number(block, workspace, args[2])),
+        shading,
+        roughness,
         saturated(vector(block, workspace, args[0])),
         saturated(vector(block, workspace, args[1])),
     )
@@ -81,14 +89,8 @@ def add_conductor(block, workspace, lobe, weight):
     """Metallic BSDF by its indices."""
     lobe, surface = lobe_table(block)[int(lobe)], surface_table(workspace)[0]
     args = lobe.args
-    given = normal(block, workspace, args[3])
-    index = begin_microfacet(
-        workspace,
-        (weight, weight, weight),
-        specular_normal(surface, given),
-        saturate(number(block, workspace, args[2])),
-        1.0,
-    )
+    given, shading, roughness = _normal_and_roughness(block, workspace, lobe)
+    index = begin_microfacet(workspace, (weight, weight, weight), shading, roughness, 1.0)
     if index < 0:
         return 0.0
     closure = closure_table(workspace)[index]

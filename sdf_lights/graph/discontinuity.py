@@ -9,7 +9,7 @@ import numpy as np
 from .formula import Formula
 from .interval_arithmetic import Condition
 from .operations import OPERATIONS
-from .slope import ARITHMETIC, Slope, Tear
+from .slope import ARITHMETIC, Discontinuity, Slope
 
 EQUAL = 1e-9  # relative: values on both sides of a jump that differ only by rounding
 
@@ -30,75 +30,76 @@ def alike(limits: tuple[float, float]) -> bool:
     return abs(u - v) <= EQUAL * (1.0 + abs(u) + abs(v))
 
 
-def torn_choice(condition: Condition, a: Slope, b: Slope, jumps: bool) -> np.ndarray | None:
-    """Where a choice is torn: where the chosen value is torn, and, if it ``jumps``, where the condition may change."""
+def discontinuous_choice(condition: Condition, a: Slope, b: Slope, jumps: bool) -> np.ndarray | None:
+    """Where a choice is discontinuous: where the chosen value is discontinuous, and, if it ``jumps``, where the
+    condition may change."""
     certain, possible = condition
     found = any_of(possible & ~np.asarray(certain)) if jumps else None
-    if a.tear.torn is not None:
-        found = either(found, any_of(possible & a.tear.torn))
-    if b.tear.torn is not None:
-        found = either(found, any_of(~np.asarray(certain) & b.tear.torn))
+    if a.discontinuity.boxes is not None:
+        found = either(found, any_of(possible & a.discontinuity.boxes))
+    if b.discontinuity.boxes is not None:
+        found = either(found, any_of(~np.asarray(certain) & b.discontinuity.boxes))
     return found
 
 
 def common_source(operands: list[Slope]) -> Formula | None:
-    """The one node that tears the operands, if there is only one."""
-    sources = {operand.tear.source for operand in operands if operand.tear.torn is not None}
+    """The one node that makes the operands discontinuous, if there is only one."""
+    sources = {operand.discontinuity.source for operand in operands if operand.discontinuity.boxes is not None}
     return sources.pop() if len(sources) == 1 else None
 
 
 def at_limits(node: Formula, operands: list[Slope]) -> tuple[float, float] | None:
-    """Values of an operation on both sides of the jumps of its one torn operand, if these are known."""
-    jumping = [operand for operand in operands if operand.tear.torn is not None]
-    if len(jumping) != 1 or jumping[0].tear.limits is None:
+    """Values of an operation on both sides of the jumps of its one discontinuous operand, if these are known."""
+    jumping = [operand for operand in operands if operand.discontinuity.boxes is not None]
+    if len(jumping) != 1 or jumping[0].discontinuity.limits is None:
         return None
     if not all(operand.is_number for operand in operands if operand is not jumping[0]):
         return None
-    meaning, limits = OPERATIONS[node.kind].meaning, jumping[0].tear.limits
+    meaning, limits = OPERATIONS[node.kind].meaning, jumping[0].discontinuity.limits
     found = [
         float(meaning(*(end if operand is jumping[0] else operand.value.low for operand in operands))) for end in limits
     ]
     return (found[0], found[1]) if np.isfinite(found).all() else None
 
 
-def with_limits(tear: Tear) -> Tear:
-    """The facts about a tear that follow from its limits."""
-    if tear.limits is None or tear.torn is None:
-        return tear
-    u, v = tear.limits
+def with_limits(discontinuity: Discontinuity) -> Discontinuity:
+    """The facts about a discontinuity that follow from its limits."""
+    if discontinuity.limits is None or discontinuity.boxes is None:
+        return discontinuity
+    u, v = discontinuity.limits
     if alike((u, v)):
-        return Tear(zero=tear.source if alike((u, 0.0)) else tear.zero)
-    return tear._replace(even=tear.even or alike((abs(u), abs(v))))
+        return Discontinuity(zero=discontinuity.source if alike((u, 0.0)) else discontinuity.zero)
+    return discontinuity._replace(even=discontinuity.even or alike((abs(u), abs(v))))
 
 
-def combined(node: Formula, operands: list[Slope]) -> Tear:
-    """The tear of a continuous operation on operands."""
-    kind, tears = node.kind, [operand.tear for operand in operands]
-    zeros = [tear.zero for tear in tears]
+def combined(node: Formula, operands: list[Slope]) -> Discontinuity:
+    """The discontinuity of a continuous operation on operands."""
+    kind, jumps = node.kind, [operand.discontinuity for operand in operands]
+    zeros = [discontinuity.zero for discontinuity in jumps]
     common = zeros[0] if len(set(zeros)) == 1 else None
     if kind == "multiply":
         # A factor that is 0 where the other factor jumps makes the product continuous there.
-        torn = None
-        for tear, zero in zip(tears, zeros[::-1]):
-            if tear.torn is not None and (zero is None or tear.source is not zero):
-                torn = either(torn, tear.torn)
+        discontinuous = None
+        for discontinuity, zero in zip(jumps, zeros[::-1]):
+            if discontinuity.boxes is not None and (zero is None or discontinuity.source is not zero):
+                discontinuous = either(discontinuous, discontinuity.boxes)
         zero = next((zero for zero in zeros if zero is not None), None)
     else:
-        torn = None
-        for tear in tears:
-            torn = either(torn, tear.torn)
+        discontinuous = None
+        for discontinuity in jumps:
+            discontinuous = either(discontinuous, discontinuity.boxes)
         zero = zeros[0] if kind in ("negate", "abs", "divide") else common if kind in ("add", "subtract") else None
-    if torn is None:
-        return Tear(zero=zero)
+    if discontinuous is None:
+        return Discontinuity(zero=zero)
     source = common_source(operands)
-    signs = all(tear.torn is None or tear.even for tear in tears)
+    signs = all(discontinuity.boxes is None or discontinuity.even for discontinuity in jumps)
     limits = at_limits(node, operands)
     if limits is None and signs and (kind in ("abs", "cos") or (kind == "multiply" and operands[0] is operands[1])):
-        return Tear(zero=zero)
+        return Discontinuity(zero=zero)
     even = signs and kind in ("negate", "multiply", "divide")
     if signs and kind in ("add", "subtract") and source is not None:
-        even = all(tear.torn is not None or tear.zero is source for tear in tears)
-    return with_limits(Tear(torn, source, limits, even, zero))
+        even = all(discontinuity.boxes is not None or discontinuity.zero is source for discontinuity in jumps)
+    return with_limits(Discontinuity(discontinuous, source, limits, even, zero))
 
 
 def outside_domain(node: Formula, operands: list[Slope]) -> np.ndarray | None:
