@@ -21,7 +21,7 @@ from .intervals import judged
 from .progress import Progress
 from .resume import Parts
 
-HELP = "lamps of texts, curves, meshes, pictures and networks: wrong crossings, the cost of a ray, the time to build, error beside Cycles"
+HELP = "lamps of texts, curves, meshes, volumes, pictures and networks: wrong crossings, the cost of a ray, the time to build, error beside Cycles"
 
 RAYS = 1_000_000  # of each kind
 QUICK_RAYS = 5_000
@@ -30,17 +30,27 @@ TURNS = 5
 LETTER, PARAGRAPH = "g", "\n".join(["the quick brown fox jumpsg over dog"[:20]] * 10)
 
 
-def _shape(obj):
-    """The shape of a lamp of an object. Both are removed."""
+def _shape(**source):
+    """The shape of a lamp from the ``source`` (properties of ``sdf_lamp``)."""
     import bpy
 
     from sdf_lights.blender.lamp import shape_of
 
     light = bpy.data.lights.new("Lamp", "POINT")
-    light.sdf_lamp.use, light.sdf_lamp.source, light.sdf_lamp.object = True, "OBJECT", obj
+    light.sdf_lamp.use = True
+    for name, value in source.items():
+        setattr(light.sdf_lamp, name, value)
     bpy.context.view_layer.update()
     shape = shape_of(light.sdf_lamp)
     bpy.data.lights.remove(light)
+    return shape
+
+
+def _of_object(obj):
+    """The shape of a lamp of an object, which is removed."""
+    import bpy
+
+    shape = _shape(source="OBJECT", object=obj)
     bpy.data.objects.remove(obj)
     return shape
 
@@ -58,7 +68,7 @@ def _text(body: str):
 
     curve = bpy.data.curves.new(body[:9], "FONT")
     curve.body, curve.extrude = body, 0.05
-    return _shape(_linked("Text", curve))
+    return _of_object(_linked("Text", curve))
 
 
 def _curve():
@@ -71,14 +81,36 @@ def _curve():
     spline.points.add(len(turn) - 1)
     for point, a in zip(spline.points, turn):
         point.co = math.cos(a), math.sin(a), 0.1 * a, 1.0
-    return _shape(_linked("Curve", data))
+    return _of_object(_linked("Curve", data))
 
 
 def _suzanne():
     import bpy
 
     bpy.ops.mesh.primitive_monkey_add()
-    return _shape(bpy.context.object)
+    return _of_object(bpy.context.object)
+
+
+def _picture():
+    from .lamp_scenes import logo_image
+
+    return _shape(source="IMAGE", image=logo_image(), image_size=1.8)
+
+
+def _volume():
+    """A level set as a file has it: distances within three voxels of the surface, of a ring with a ball cut out."""
+    from sdf_lights.sdf.data.level_set import level_set_grid
+    from sdf_lights.sdf.expression import Expression
+
+    size = 1.0 / 40
+    shape = Expression("torus(0.7, 0.25) - translate(sphere(0.3), (0.7, 0, 0.1))").shape()
+    low, high = (np.round(corner / size).astype(int) for corner in shape.bounds())
+
+    def read(start, counts):
+        places = np.stack(np.meshgrid(*map(np.arange, counts), indexing="ij"), axis=-1) + start
+        return np.clip(shape.distance(size * places.reshape(-1, 3)), -3.0 * size, 3.0 * size).reshape(counts)
+
+    return level_set_grid(read, low - 3, high + 3, 3.0 * size, size)
 
 
 def _scan():
@@ -99,6 +131,8 @@ CASES = {
     "curve": _curve,
     "mesh": _suzanne,
     "scan of 300,000 triangles": _scan,
+    "picture": _picture,
+    "volume": _volume,
     "network": _network,
 }
 

@@ -365,9 +365,7 @@ def _object_lamp(matrix: Matrix, data: bpy.types.ID, is_exact: bool = True) -> N
 @_scene("sign", "a text with sharp edges")
 def _(size: int) -> None:
     simple_scenes.boxes_and_sphere(size)
-    curve = bpy.data.curves.new("Sign", "FONT")
-    curve.body, curve.extrude, curve.align_x, curve.size = "OPEN", 0.08, "CENTER", 1.1
-    _object_lamp(turned(x=75.0, z=15.0, at=(0.0, 0.3, 1.6)), curve)
+    _object_lamp(turned(x=75.0, z=15.0, at=(0.0, 0.3, 1.6)), _text("OPEN", size=1.1, extrude=0.08))
 
 
 @_scene("spring", "a tube along a curve")
@@ -384,9 +382,8 @@ def _(size: int) -> None:
     _object_lamp(turned(x=80.0, z=20.0, at=(0.0, 0.2, 1.8)), curve, is_exact=False)  # its ends are round
 
 
-@_scene("statue", "a mesh: Blender's monkey, closed and divided")
-def _(size: int) -> None:
-    simple_scenes.boxes_and_sphere(size)
+def _monkey() -> bpy.types.Mesh:
+    """Blender's monkey, closed and divided."""
     with bpy.context.temp_override():
         bpy.ops.mesh.primitive_monkey_add()
     monkey = bpy.context.object
@@ -394,12 +391,27 @@ def _(size: int) -> None:
     bpy.context.view_layer.update()
     mesh = bpy.data.meshes.new_from_object(monkey.evaluated_get(bpy.context.evaluated_depsgraph_get()))
     bpy.data.objects.remove(monkey)
+    return mesh
+
+
+def _text(body: str, **settings) -> bpy.types.Curve:
+    """A text around its middle."""
+    curve = bpy.data.curves.new(body, "FONT")
+    curve.body, curve.align_x = body, "CENTER"
+    for name, value in settings.items():
+        setattr(curve, name, value)
+    return curve
+
+
+@_scene("statue", "a mesh: Blender's monkey, closed and divided")
+def _(size: int) -> None:
+    simple_scenes.boxes_and_sphere(size)
+    mesh = _monkey()
     _object_lamp(turned(x=20.0, z=30.0, at=(0.0, 0.3, 1.7), scale=(0.8, 0.8, 0.8)), mesh)
 
 
-@_scene("logo", "the outline of a picture: a disc with a star cut out")
-def _(size: int) -> None:
-    simple_scenes.boxes_and_sphere(size)
+def logo_image() -> bpy.types.Image:
+    """A disc with a star cut out, in the alpha of a picture."""
     width = 512
     x, y = (2.0 * (np.arange(width) + 0.5) / width - 1.0 for _ in range(2))
     radius, angle = np.hypot(*np.meshgrid(x, y)), np.arctan2(*np.meshgrid(y, x, indexing="ij"))
@@ -409,6 +421,13 @@ def _(size: int) -> None:
     pixels[..., 3] = inside
     image.pixels.foreach_set(pixels.ravel())
     image.update()
+    return image
+
+
+@_scene("logo", "the outline of a picture: a disc with a star cut out")
+def _(size: int) -> None:
+    simple_scenes.boxes_and_sphere(size)
+    image = logo_image()
     _data_lamp(turned(x=80.0, z=15.0, at=(0.0, 0.3, 1.6)), None, source="IMAGE", image=image, image_size=1.8)
 
 
@@ -416,3 +435,26 @@ def _(size: int) -> None:
 def _(size: int) -> None:
     simple_scenes.boxes_and_sphere(size)
     _data_lamp(turned(z=-70.0, at=(0.0, 0.3, 1.5)), None, source="NETWORK")
+
+
+# The lamps of the corridor of Huang et al. 2026: an extruded sign, a network, a field of voxels.
+IN_CORRIDOR = ("corridor_sign", "corridor_network", "corridor_voxels")
+_UNDER_CEILING = dict(at=(0.2, 3.4, 1.85))
+
+
+@_scene("corridor_sign", "a corridor with an extruded text")
+def _(size: int) -> None:
+    simple_scenes.corridor(size)
+    _object_lamp(turned(x=90.0, z=25.0, **_UNDER_CEILING), _text("EXIT", size=0.4, extrude=0.04))
+
+
+@_scene("corridor_network", "the same corridor with a network")
+def _(size: int) -> None:
+    simple_scenes.corridor(size)
+    _data_lamp(turned(z=-70.0, **_UNDER_CEILING, scale=(0.4, 0.4, 0.4)), None, source="NETWORK")
+
+
+@_scene("corridor_voxels", "the same corridor with a mesh as a field of voxels")
+def _(size: int) -> None:
+    simple_scenes.corridor(size)
+    _object_lamp(turned(z=25.0, **_UNDER_CEILING, scale=(0.35, 0.35, 0.35)), _monkey())

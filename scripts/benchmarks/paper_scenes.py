@@ -9,7 +9,7 @@ fine parts in a furnished room, and a flat lamp at a grazing angle to long walls
 from __future__ import annotations
 
 from mathutils import Matrix
-from scenery.modelling import add, box, plane
+from scenery.modelling import add, plane
 
 from sdf_lights.emitter.tree import interior, volume
 from sdf_lights.sdf.expression import Expression
@@ -38,61 +38,39 @@ def _lamp(name: str, expression: str, matrix: Matrix, intensity: float, color=(1
     add_lamp(name, expression, None, matrix, intensity / (inside * abs(matrix.to_3x3().determinant())), color)
 
 
-def _diffuse(name: str, color):
-    return simple_scenes.material(name, "ShaderNodeBsdfDiffuse", color)
-
-
-def _room(low, high, color) -> None:
-    """Floor, ceiling and four walls that face inwards."""
-    material = _diffuse("Walls", color)
-    size, middle = [b - a for a, b in zip(low, high)], [0.5 * (a + b) for a, b in zip(low, high)]
-    x, y, z = size
-    for name, extent, axis, end, rotation in (
-        ("Floor", (x, y), 2, low[2], (0, 0, 0)),
-        ("Ceiling", (x, y), 2, high[2], (180, 0, 0)),
-        ("Left", (y, z), 0, low[0], (90, 0, 90)),
-        ("Right", (y, z), 0, high[0], (90, 0, -90)),
-        ("Back", (x, z), 1, high[1], (90, 0, 0)),
-        ("Front", (x, z), 1, low[1], (-90, 0, 0)),
-    ):
-        location = list(middle)
-        location[axis] = end
-        add(name, plane(name, extent), material, location=location, rotation=rotation)
-
-
-def _boxes(material, *places) -> None:
-    """Boxes by (centre, full size)."""
-    for index, (centre, size) in enumerate(places):
-        name = f"{material.name} {index}"
-        add(name, box(name, size), material, location=centre)
-
-
 @_scene("dragon", "a torus over a mesh of many triangles")
 def _(size: int) -> None:
     simple_scenes.empty(size, (0.0, -4.2, 2.0), (0.0, 0.0, 0.75), 40.0)
-    grey = _diffuse("Grey", (0.7, 0.7, 0.7))
+    grey = simple_scenes.diffuse("Grey", (0.7, 0.7, 0.7))
     add("Floor", plane("Floor", (10.0, 10.0)), grey)
     add("Wall", plane("Wall", (10.0, 6.0)), grey, location=(0.0, 2.0, 3.0), rotation=(90, 0, 0))
     # A lattice in a ball has handles, cavities and edges at all angles.
     solid = marched("sphere(0.6) & gyroid(vec3(0.6, 0.6, 0.6), 0.4, 0.1)", CELLS)
-    add("Statue", lamp_meshes.mesh("Statue", solid), _diffuse("Jade", (0.35, 0.6, 0.4)), location=(0.0, 0.0, 0.6))
+    add(
+        "Statue",
+        lamp_meshes.mesh("Statue", solid),
+        simple_scenes.diffuse("Jade", (0.35, 0.6, 0.4)),
+        location=(0.0, 0.0, 0.6),
+    )
     _lamp("Torus", "torus(0.5, 0.12)", turned(x=25.0, at=(0.0, 0.0, 1.55)), 4.0)
 
 
 @_scene("room", "a closed room with five lamps of simple shapes")
 def _(size: int) -> None:
     simple_scenes.empty(size, (0.0, -2.8, 1.5), (0.0, 0.6, 1.1), 60.0)
-    _room((-2.5, -3.0, 0.0), (2.5, 2.5, 2.7), (0.75, 0.73, 0.7))
-    wood = _diffuse("Wood", (0.45, 0.3, 0.18))
-    _boxes(
+    simple_scenes.room((-2.5, -3.0, 0.0), (2.5, 2.5, 2.7), (0.75, 0.73, 0.7))
+    wood = simple_scenes.diffuse("Wood", (0.45, 0.3, 0.18))
+    simple_scenes.boxes(
         wood,
         ((0.0, 0.6, 0.72), (1.6, 0.8, 0.05)),
         ((-0.75, 0.6, 0.35), (0.06, 0.7, 0.7)),
         ((0.75, 0.6, 0.35), (0.06, 0.7, 0.7)),
         ((-2.2, 1.6, 0.9), (0.5, 1.2, 1.8)),
     )
-    _boxes(
-        _diffuse("Cloth", (0.2, 0.3, 0.55)), ((1.7, 1.6, 0.25), (1.3, 0.9, 0.5)), ((1.7, 2.1, 0.65), (1.3, 0.2, 0.5))
+    simple_scenes.boxes(
+        simple_scenes.diffuse("Cloth", (0.2, 0.3, 0.55)),
+        ((1.7, 1.6, 0.25), (1.3, 0.9, 0.5)),
+        ((1.7, 2.1, 0.65), (1.3, 0.2, 0.5)),
     )
     _lamp("Ball", "sphere(0.16)", turned(at=(-0.4, 0.6, 0.95)), 1.2, (1.0, 0.85, 0.6))
     _lamp("Ring", "torus(0.4, 0.04)", turned(at=(0.0, 0.6, 2.2)), 2.0)
@@ -104,21 +82,23 @@ def _(size: int) -> None:
 @_scene("kitchen", "a furnished room with a fractal lamp over the worktop")
 def _(size: int) -> None:
     simple_scenes.empty(size, (1.2, -2.7, 1.7), (-0.1, 0.6, 1.05), 60.0)
-    _room((-2.5, -3.0, 0.0), (2.5, 2.5, 2.6), (0.78, 0.77, 0.74))
-    _boxes(
-        _diffuse("Cupboards", (0.3, 0.42, 0.38)),
+    simple_scenes.room((-2.5, -3.0, 0.0), (2.5, 2.5, 2.6), (0.78, 0.77, 0.74))
+    simple_scenes.boxes(
+        simple_scenes.diffuse("Cupboards", (0.3, 0.42, 0.38)),
         ((0.0, 2.2, 0.44), (4.4, 0.6, 0.88)),
         ((-1.3, 2.32, 1.9), (1.8, 0.36, 0.7)),
         ((1.3, 2.32, 1.9), (1.8, 0.36, 0.7)),
         ((0.0, 0.3, 0.43), (1.6, 0.8, 0.86)),
     )
-    _boxes(
-        _diffuse("Stone", (0.8, 0.78, 0.75)),
+    simple_scenes.boxes(
+        simple_scenes.diffuse("Stone", (0.8, 0.78, 0.75)),
         ((0.0, 2.18, 0.9), (4.45, 0.66, 0.04)),
         ((0.0, 0.3, 0.88), (1.7, 0.9, 0.04)),
     )
-    pot = _diffuse("Pots", (0.65, 0.3, 0.15))
-    _boxes(pot, *(((x, y, 0.97), (0.14, 0.14, 0.14)) for x, y in ((-0.5, 0.2), (0.45, 0.5), (-1.2, 2.15), (0.9, 2.2))))
+    pot = simple_scenes.diffuse("Pots", (0.65, 0.3, 0.15))
+    simple_scenes.boxes(
+        pot, *(((x, y, 0.97), (0.14, 0.14, 0.14)) for x, y in ((-0.5, 0.2), (0.45, 0.5), (-1.2, 2.15), (0.9, 2.2)))
+    )
     for index, x in enumerate((-0.9, 0.9)):
         add(f"Stool {index}", lamp_meshes.mesh("Stool", lamp_meshes.sphere(0.2, 64, 32)), pot, location=(x, -0.7, 0.4))
     _lamp("Sponge", "menger_sponge(0.2, 4)", turned(x=20.0, z=30.0, at=(0.0, 0.3, 1.55)), 3.0)
@@ -126,13 +106,7 @@ def _(size: int) -> None:
 
 @_scene("corridor", "a corridor with an extruded sign")
 def _(size: int) -> None:
-    simple_scenes.empty(size, (0.3, -1.5, 1.5), (-0.1, 4.0, 1.35), 50.0)
-    _room((-1.1, -2.0, 0.0), (1.1, 9.0, 2.5), (0.72, 0.72, 0.7))
-    _boxes(
-        _diffuse("Doors", (0.4, 0.28, 0.2)),
-        *(((side * 1.08, y, 1.0), (0.06, 0.9, 2.0)) for side in (-1.0, 1.0) for y in (1.5, 4.5, 7.0)),
-    )
-    _boxes(_diffuse("Bench", (0.2, 0.25, 0.4)), ((-0.85, 3.0, 0.22), (0.4, 1.2, 0.44)))
+    simple_scenes.corridor(size)
     _lamp(
         "Sign",
         "union(extrusion(ring(0.42, 0.05), 0.06), extrusion(star(5, 0.3, 0.13), 0.06))",

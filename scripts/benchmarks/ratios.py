@@ -126,7 +126,8 @@ SMOOTH = (
 )
 
 
-OF_DATA = ("outline", "tube", "grid", "network")  # as ``simplest`` has them
+# as ``simplest`` has them; a ray through a grid looks into cells instead
+OF_DATA = ("outline", "tube", "grid", "network")
 
 
 def evaluations_ratio(rule: str, names: tuple[str, ...] = SMOOTH) -> float:

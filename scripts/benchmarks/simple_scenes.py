@@ -86,6 +86,47 @@ def boxes_and_sphere(size: int) -> bpy.types.Scene:
     return scene
 
 
+def diffuse(name: str, color):
+    return material(name, "ShaderNodeBsdfDiffuse", color)
+
+
+def room(low, high, color) -> None:
+    """Floor, ceiling and four walls that face inwards."""
+    material = diffuse("Walls", color)
+    size, middle = [b - a for a, b in zip(low, high)], [0.5 * (a + b) for a, b in zip(low, high)]
+    x, y, z = size
+    for name, extent, axis, end, rotation in (
+        ("Floor", (x, y), 2, low[2], (0, 0, 0)),
+        ("Ceiling", (x, y), 2, high[2], (180, 0, 0)),
+        ("Left", (y, z), 0, low[0], (90, 0, 90)),
+        ("Right", (y, z), 0, high[0], (90, 0, -90)),
+        ("Back", (x, z), 1, high[1], (90, 0, 0)),
+        ("Front", (x, z), 1, low[1], (-90, 0, 0)),
+    ):
+        location = list(middle)
+        location[axis] = end
+        add(name, plane(name, extent), material, location=location, rotation=rotation)
+
+
+def boxes(material, *places) -> None:
+    """Boxes by (centre, full size)."""
+    for index, (centre, size) in enumerate(places):
+        name = f"{material.name} {index}"
+        add(name, box(name, size), material, location=centre)
+
+
+def corridor(size: int) -> bpy.types.Scene:
+    """A corridor with doors and a bench, like that of Huang et al. 2026, without a light."""
+    scene = empty(size, (0.3, -1.5, 1.5), (-0.1, 4.0, 1.35), 50.0)
+    room((-1.1, -2.0, 0.0), (1.1, 9.0, 2.5), (0.72, 0.72, 0.7))
+    boxes(
+        diffuse("Doors", (0.4, 0.28, 0.2)),
+        *(((side * 1.08, y, 1.0), (0.06, 0.9, 2.0)) for side in (-1.0, 1.0) for y in (1.5, 4.5, 7.0)),
+    )
+    boxes(diffuse("Bench", (0.2, 0.25, 0.4)), ((-0.85, 3.0, 0.22), (0.4, 1.2, 0.44)))
+    return scene
+
+
 def add_point_light(watts: float = 100.0, location=(0.0, -0.5, 3.2)) -> None:
     light = bpy.data.lights.new("Point", "POINT")
     light.energy, light.shadow_soft_size = watts, 0.0

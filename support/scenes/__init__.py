@@ -10,7 +10,18 @@ are plain means. ``media`` and ``strands`` have more scenes of this kind.
 from __future__ import annotations
 
 from .cameras import depth_of_field, fisheye, orthographic, panorama
-from .lamps import cove, data_lamps, field_lamps, frame_lamp, inside_lamp, torus_room, varying_lamps, veiled
+from .lamps import (
+    colored_lamps,
+    cove,
+    data_lamps,
+    field_lamps,
+    frame_lamp,
+    inside_lamp,
+    network_lamp,
+    torus_room,
+    varying_lamps,
+    veiled,
+)
 from .lights import (
     blender_lights,
     emissive_mesh,
@@ -68,6 +79,8 @@ SCENES = {
         frame_lamp,
         field_lamps,
         data_lamps,
+        network_lamp,
+        colored_lamps,
         varying_lamps,
         inside_lamp,
         veiled,

@@ -4,12 +4,15 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from sdf_lights.render.material import Material, Node
 from sdf_lights.render.scene import Instance, Lamp, Scene
 from sdf_lights.render.settings import LampPaths
 from sdf_lights.sdf import shapes
 from sdf_lights.sdf.data.simplest import simplest
 from sdf_lights.sdf.emission import Emission, EmissionExpression
+from sdf_lights.sdf.resolver import Arrays
 
 from .matrices import rotation, scaling, translation
 from .room import GREY, HEIGHT, RED, WHITE, WIDTH, add, diffuse, material, room, torus_lamp
@@ -112,6 +115,37 @@ def data_lamps(width: int = WIDTH, height: int = HEIGHT) -> Scene:
         Lamp("outline", outline, translation(-0.8, 0.3, 1.8) @ turn, power=20.0, color=(1.0, 0.8, 0.5)),
         Lamp("rod", rod, translation(0.8, 0.0, 1.5) @ turn, power=20.0, color=(0.5, 0.7, 1.0)),
         Lamp("mesh", mesh, translation(-0.3, -0.3, 0.6) @ turn @ scaling(0.4, 0.4, 0.6), power=10.0),
+    ]
+    return scene
+
+
+def network_lamp(width: int = WIDTH, height: int = HEIGHT) -> Scene:
+    """A network of sines, over a box."""
+    scene = room(width, height)
+    add(scene, 1, translation(0.9, 0.6, 0.4) @ rotation("z", 15) @ scaling(0.4, 0.4, 0.4), diffuse(GREY))
+    network = simplest()[3]
+    scene.lamps.append(Lamp("network", network, translation(-0.2, 0.2, 1.2) @ rotation("z", 40), power=30.0))
+    return scene
+
+
+def colored_lamps(width: int = WIDTH, height: int = HEIGHT) -> Scene:
+    """Colours from place to place: across the box of a mesh, along a tube, of a picture on an outline."""
+    scene = room(width, height)
+    add(scene, 1, translation(0.9, 0.6, 0.4) @ rotation("z", 15) @ scaling(0.4, 0.4, 0.4), diffuse(GREY))
+    outline, rod, mesh, _ = simplest()
+    turn = rotation("x", 60) @ rotation("y", 20)
+    stripes = np.zeros((2, 4, 4), np.float32)
+    stripes[..., 3] = 1.0
+    stripes[:, range(4), (0, 1, 2, 0)] = 1.0
+    placed = (
+        ("outline", outline, translation(-0.8, 0.3, 1.8) @ turn, 20.0, 'image_color("Stripes", u, v)'),
+        ("rod", rod, translation(0.8, 0.0, 1.5) @ turn, 20.0, "ramp(along, 0, (1, 0.1, 0.05), 1, (0.1, 0.4, 1))"),
+        ("mesh", mesh, translation(-0.3, -0.3, 0.6) @ turn @ scaling(0.4, 0.4, 0.6), 10.0, "(u, v, 0.2 + height)"),
+    )
+    files = Arrays(images={"Stripes": stripes})
+    scene.lamps += [
+        Lamp(name, shape, matrix, power=power, emission=EmissionExpression(text).emission(resolver=files))
+        for name, shape, matrix, power, text in placed
     ]
     return scene
 

@@ -77,7 +77,7 @@ def test_blocks_agree_where_they_touch(faults):
     grid = mesh_grid(vertices, faces, 2.0 / 40)
     numbers = grid.data.array
     counts = numbers[4:7].astype(int)
-    places = numbers[int(numbers[8]) :].reshape(counts[::-1])
+    places = numbers[int(numbers[8]) : int(numbers[9])].reshape(counts[::-1])
     band = numbers[10]
 
     def face(place, axis, side):

@@ -16,9 +16,10 @@ import numpy as np
 
 from ...graph.codegen_native import LANES, compiled
 from ...graph.formula import CALL, CONSTANT, ITERATE, PARAMETER, Formula, body, order
+from ...graph.functions import compiled_part
 from ...graph.numpy_evaluation import rounds
 from ...graph.tables import tables_of
-from ...jit import call_field, kernel, stack_array, table
+from ...jit import call_field, call_numbers, kernel, stack_array, table
 from ...replaced import replaced_on_gpu
 from ...sdf.shapes.base import Term
 
@@ -30,6 +31,7 @@ TERM = np.dtype(
         ("family", np.int64),  # sdf.shapes.Family
         ("blend_width", np.float64),
         ("lipschitz", np.float64),
+        ("zeros", np.int64),  # address of the compiled ``Term.zeros``; 0 without one
     ],
     align=True,
 )
@@ -42,6 +44,8 @@ TABLES = {"lamp_terms": TERM, "lamp_parameters": np.dtype(np.float64), "lamp_lis
 SMALL_TABLE = 1 << 12  # numbers: a tree of so many, with all its ``boxes``, takes a second or two
 
 LIBRARY = frozenset({"sin", "cos", "tan", "asin", "acos", "atan", "exp", "log", "power", "atan2"})  # one call per lane
+
+ZEROS_GIVEN, ZEROS_TOLD = 11, 2  # numbers that ``Term.zeros`` takes and returns
 
 DEEPEST = 62  # values that an evaluation may hold at a time
 VALUES = 3 * LANES  # offset of the values in ``stack``, after all x, all y and all z
@@ -137,6 +141,8 @@ def compile_terms(terms: list[Term]) -> CompiledField:
         found = compiled(term.formula)
         code += [found.owner, *tables_of(term.formula, term.parameters)]
         row["address"], row["parameters"] = found.address, used
+        if term.zeros is not None:
+            row["zeros"] = compiled_part(term.zeros, ZEROS_GIVEN).address
         for name in ("arity", "family", "blend_width", "lipschitz"):
             row[name] = getattr(term, name)
         parameters.append(term.parameters)
@@ -207,3 +213,21 @@ def value(block, row, first, count, p):
             stack[k * LANES + lane] = p[k]
     evaluate(block, row, first, count, 1, stack)
     return stack[VALUES]
+
+
+@kernel
+def zeros(block, term, o, d, start, end, spans, limit):
+    """All zeros of the field of a lamp with this single ``term`` along a ray, start ≤ s ≤ end, by its own function:
+    ``Term.zeros``.
+
+    They are written to ``spans`` one after the other, at most 2 ``limit``, after the start if it is inside. Returns
+    (number of all, number of the steps that this took). The function takes the addresses of the term's parameters, o,
+    d, start and end, the address of ``spans`` and how many numbers have room there.
+    """
+    given, told = stack_array(ZEROS_GIVEN), stack_array(ZEROS_TOLD)
+    given[0] = lamp_parameters(block).ctypes.data + 8 * term.parameters
+    for k in range(3):
+        given[1 + k], given[4 + k] = o[k], d[k]
+    given[7], given[8], given[9], given[10] = start, end, spans.ctypes.data, 2 * limit
+    call_numbers(term.zeros, given.ctypes.data, told.ctypes.data)
+    return int(told[0]), int(told[1])

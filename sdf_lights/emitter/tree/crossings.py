@@ -34,7 +34,7 @@ from ..intersection.cover import (
     cover,
     insert,
 )
-from ..intersection.fields import STACK, lamp_lists
+from ..intersection.fields import STACK, lamp_lists, lamp_terms, zeros
 from ..intersection.intervals import solve
 from .nodes import BOUNDARY, INSIDE, lamp_nodes
 from .splitting_programs import SHORT_PROGRAM
@@ -110,11 +110,27 @@ def _rates(node, ray):
     )
 
 
+@kernel(forceinline=True)
+def _in_pairs(spans, limit, found, end, unresolved, evaluations):
+    """What ``walk`` returns, for so many ``found`` zeros."""
+    if found % 2 == 1:
+        found = insert(spans, limit, found, end)
+    if found > 2 * limit:
+        unresolved += end - spans[limit - 1, 1]
+        found = 2 * limit
+    return found // 2, unresolved, evaluations
+
+
 @kernel
 def walk(block, row, o, d, start, end, spans):
     """``crossings``, with the number of evaluations of the field: (count, unresolved, evaluations)."""
     nodes, lists = lamp_nodes(block)[row.first_node :], lamp_lists(block)[row.first_list :]
     closed, limit = row.instruction_count > 0, row.rows
+    if not closed and nodes[0].row_count == 1:
+        term = lamp_terms(block)[row.first_term + lists[nodes[0].row_first]]
+        if term.zeros != 0:
+            found, steps = zeros(block, term, o, d, start, end, spans, limit)
+            return _in_pairs(spans, limit, found, end, 0.0, steps)
     speed = length(d)
     size = length((row.high[0], row.high[1], row.high[2])) / speed
     ray, waiting = stack_array(9), stack_array(WAITING)
@@ -137,7 +153,7 @@ def walk(block, row, o, d, start, end, spans):
             if closed:
                 if node.row_count <= SHORT_PROGRAM:
                     break
-            elif node.row_count <= SHORT_FIELD:
+            elif node.turns == 0 and node.row_count <= SHORT_FIELD:
                 fall, rise = _rates(node, ray)
                 if fall <= 0.0 or rise <= 0.0:
                     break
@@ -206,12 +222,7 @@ def walk(block, row, o, d, start, end, spans):
         if depth > 0:
             depth -= 1
             index, high = int(waiting[2 * depth]), waiting[2 * depth + 1]
-    if found % 2 == 1:
-        found = insert(spans, limit, found, end)
-    if found > 2 * limit:
-        unresolved += end - spans[limit - 1, 1]
-        found = 2 * limit
-    return found // 2, unresolved, evaluations
+    return _in_pairs(spans, limit, found, end, unresolved, evaluations)
 
 
 @replaced_on_gpu

@@ -260,6 +260,7 @@ def tree(shape: Shape) -> Tree:
         fill_gradients(field, nodes, nodes["state"] == BOUNDARY, boxes, lists)
     else:
         nodes["gradient"] = [[-np.inf], [np.inf]]
+    nodes["turns"] = (nodes["gradient"][:, 0] < 0.0).all(axis=1) & (nodes["gradient"][:, 1] > 0.0).all(axis=1)
     for array in (nodes, lists, boxes):
         array.flags.writeable = False
     return Tree(center, half, nodes, lists, boxes, program, field, shape.certified and not guessed)

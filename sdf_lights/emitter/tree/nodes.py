@@ -17,6 +17,7 @@ NODE = np.dtype(
         ("row_count", np.int32),
         ("axis", np.int8),  # of the split
         ("state", np.int8),
+        ("turns", np.int8),  # whether the bounds of the gradient allow any direction: no ray is known to be monotonic
         ("lipschitz", np.float64),  # bound of the field of the list in this box; unused for programs
         ("gradient", np.float32, (2, 3)),  # bounds of the field's gradient in this box, see ``slopes``; as lipschitz
         ("mass", np.float64),  # m³ of the boxes below that are not certainly outside

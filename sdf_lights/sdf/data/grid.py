@@ -23,7 +23,8 @@ from ...graph.formula import Formula, Vector, call
 from ...graph.functions import Function, TableFunction
 from ...graph.tables import Table, table
 from ...jit import doubles_at, floats_at, kernel
-from ..shapes.base import LARGEST, NONE, Shape, Slots
+from ..shapes.base import LARGEST, NONE, Shape, Slots, Term
+from .grid_rays import zeros_between
 
 SIDE = 8  # voxels of a block
 CORNERS = SIDE + 1
@@ -31,8 +32,8 @@ BLOCK = CORNERS**3
 HEAD = 16
 _TILES = -1.0, -2.0  # what stands for the place of a block that is a tile, outside and inside
 # Numbers of the head: the corner of the grid (3), a voxel's size, blocks along each axis (3), where the coarse values
-# and the places of blocks begin (2), one that is free, the width of the band, m, L, the greatest slope along an axis, 1
-# / size
+# and the places of blocks begin (2), where the masks of blocks begin (``grid_rays``), the width of the band, m, L, the
+# greatest slope along an axis, 1 / size
 
 
 @kernel
@@ -136,6 +137,34 @@ def grid_slope(address, voxels, x, y, z):
         return 0.0, 0.0, 0.0
     _, gx, gy, gz = _field(doubles_at(address), floats_at(voxels), x, y, z)
     return gx, gy, gz
+
+
+@kernel
+def grid_zeros(parameters, ox, oy, oz, dx, dy, dz, start, end, places, room):
+    """All zeros along a ray, of the kind ``Term.zeros``; the parameters are those of ``Shape.terms``."""
+    matrix = doubles_at(parameters)  # three rows, then the addresses of both tables
+    numbers, values = doubles_at(matrix[12]), floats_at(matrix[13])
+    inverse, found = numbers[14], doubles_at(places)
+    x = (matrix[0] * ox + matrix[1] * oy + matrix[2] * oz + matrix[3] - numbers[0]) * inverse
+    y = (matrix[4] * ox + matrix[5] * oy + matrix[6] * oz + matrix[7] - numbers[1]) * inverse
+    z = (matrix[8] * ox + matrix[9] * oy + matrix[10] * oz + matrix[11] - numbers[2]) * inverse
+    vx = (matrix[0] * dx + matrix[1] * dy + matrix[2] * dz) * inverse
+    vy = (matrix[4] * dx + matrix[5] * dy + matrix[6] * dz) * inverse
+    vz = (matrix[8] * dx + matrix[9] * dy + matrix[10] * dz) * inverse
+    for position, rate, most in ((x, vx, numbers[4]), (y, vy, numbers[5]), (z, vz, numbers[6])):
+        if rate != 0.0:
+            first, last = -position / rate, (8.0 * most - position) / rate
+            start, end = max(start, min(first, last)), min(end, max(first, last))
+        elif position < 0.0 or position > 8.0 * most:
+            return 0.0, 0.0
+    if not start < end:
+        return 0.0, 0.0
+    qx = min(max(x + start * vx, 0.0), 8.0 * numbers[4])
+    qy = min(max(y + start * vy, 0.0), 8.0 * numbers[5])
+    qz = min(max(z + start * vz, 0.0), 8.0 * numbers[6])
+    inside = _inner(numbers, values, qx, qy, qz)[0] <= 0.0
+    count, looked = zeros_between(numbers, values, x, y, z, vx, vy, vz, start, end, inside, found, int(room))
+    return np.float64(count), np.float64(looked)
 
 
 @kernel
@@ -328,6 +357,9 @@ GRID = TableFunction(
 )
 
 
+GRID_ZEROS = Function("grid_zeros", grid_zeros, results=2)
+
+
 def _steepness(values: np.ndarray, size: float, varying: np.ndarray | None = None) -> tuple[float, float]:
     """Greatest length of the gradient in cells of the blocks (n, z, y, x), and the greatest slope along an axis."""
     x, y, z = (np.abs(np.diff(values, axis=axis)) for axis in (3, 2, 1))
@@ -356,6 +388,21 @@ def cells_that_vary(values: np.ndarray, band: float) -> np.ndarray:
         low = np.minimum(low[tuple(first)], low[tuple(last)])
         high = np.maximum(high[tuple(first)], high[tuple(last)])
     return (low < band) & (high > -band)
+
+
+def _masks(values: np.ndarray) -> np.ndarray:
+    """Masks (n, 2) of blocks (n, CORNERS, CORNERS, CORNERS): the bit a + 4 (b + 4 c) tells whether there are values of
+    both signs in the cell (a, b, c) of 2³ voxels. Each half has 32 bits."""
+    n, each = len(values), SIDE // 2
+    above, below = np.zeros((n, each, each, each), bool), np.zeros((n, each, each, each), bool)
+    for c in range(3):
+        for b in range(3):
+            for a in range(3):
+                part = values[:, c : SIDE + c : 2, b : SIDE + b : 2, a : SIDE + a : 2] > 0.0
+                above |= part
+                below |= ~part
+    bits = (above & below).reshape(n, 2, 32).astype(np.float64)
+    return bits @ 2.0 ** np.arange(32)
 
 
 def grid_tables(
@@ -393,12 +440,13 @@ def grid_tables(
     places[k, j, i] = BLOCK * np.arange(len(blocks))
     head = np.zeros(HEAD)
     head[:3], head[3], head[4:7] = corner, size, counts
-    head[7:9] = HEAD, HEAD + coarse.size
+    head[7:10] = HEAD, HEAD + coarse.size, HEAD + coarse.size + places.size
     head[14] = 1.0 / size
     rounded = 1.0 + 1e-9
     head[10:14] = band, margin, max(fine, rough, 1.0) * rounded, max(fine_along, rough_along, 1.0) * rounded
     voxels = values.astype(np.float32).ravel() if len(blocks) else np.zeros(1, np.float32)
-    return table(np.concatenate([head, coarse.ravel(), places.ravel()])), table(voxels)
+    masks = _masks(values)
+    return table(np.concatenate([head, coarse.ravel(), places.ravel(), masks.ravel()])), table(voxels)
 
 
 @dataclass(frozen=True)
@@ -432,6 +480,10 @@ class Grid(Shape, abstract=True):
     def build(self, p: Vector, slot: Slots) -> Formula:
         (distance,) = call(GRID, slot(self.data.address), slot(self.values.address), *p)
         return distance
+
+    def terms(self, matrix: np.ndarray, factor: float) -> list[Term]:
+        (term,) = super().terms(matrix, factor)
+        return [term._replace(zeros=GRID_ZEROS)]
 
     def bounds(self, matrix: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
         head = self.data.array[:HEAD]

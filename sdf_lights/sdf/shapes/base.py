@@ -23,6 +23,7 @@ from ...affine import inverse
 from ...graph import numpy_evaluation
 from ...graph.continuity import declare
 from ...graph.formula import POINT, Formula, Vector, parameter
+from ...graph.functions import Function
 from .. import program
 
 EXACT, BOUND, NONE = "exact", "bound", "none"
@@ -110,6 +111,7 @@ class Term(NamedTuple):
     family: Family
     blend_width: float
     lipschitz: float  # of the value, as a function of the point
+    zeros: Function | None = None  # a faster way to all zeros along a ray, see ``emitter.intersection.fields.zeros``
 
 
 class Slots:

@@ -364,6 +364,7 @@ class Folded(Operator, abstract=True):
                 term = term._replace(
                     formula=substitute(term.formula, point, moved),
                     parameters=np.concatenate([slots.values, term.parameters]),
+                    zeros=None,
                 )
             terms.append(term)
         return terms
