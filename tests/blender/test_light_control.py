@@ -193,6 +193,19 @@ def test_bounces_of_lights(room, light, compare):
     assert found[..., 0].mean() < 0.9 * plain[..., 0].mean() and found[..., 1].mean() < plain[..., 1].mean()
 
 
+def test_rays_hit_lights_after_their_bounces(room, light, compare):
+    """As in Cycles, only light rays count the bounces of a light: rough metal shows it, seen in rough metal."""
+    floor = bpy.data.objects["Floor"].data.materials[0].node_tree
+    metal = floor.nodes.new("ShaderNodeBsdfAnisotropic")
+    metal.inputs["Roughness"].default_value = 0.3
+    end = next(node for node in floor.nodes if node.type == "OUTPUT_MATERIAL")
+    floor.links.new(metal.outputs[0], end.inputs[0])
+    limited = light("POINT", RED, (0.0, 0.5, 1.5), shadow_soft_size=0.4)
+    wide = light("AREA", GREEN, (0.0, -0.5, 2.5), size=1.5)
+    limited.data.cycles.max_bounces, wide.data.cycles.max_bounces = 0, 1
+    compare()
+
+
 def test_lights_without_multiple_importance_sampling(room, light, compare):
     metal = bpy.data.objects["Wall"].data.materials[0].node_tree.nodes
     next(node for node in metal if node.type == "BSDF_GLOSSY").inputs["Roughness"].default_value = 0.0

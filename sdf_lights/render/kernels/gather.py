@@ -35,10 +35,10 @@ from .workspace import cut_of, hit_table, light_cut_of, spans_of
 
 
 @kernel
-def _stopped(block, path):
-    """Whether light rays stop at a surface that the path's ray has passed. As in Cycles, its emission counts as if
-    light rays added the rest."""
-    return block.stops_light_rays != 0 and path.stopped != 0
+def _is_alone(block, path, emitter):
+    """Whether no light rays find the emission that the path's ray meets: they stop at a surface that it has passed, or
+    the light's bounces are used up. As in Cycles, it counts as if light rays added the rest."""
+    return (block.stops_light_rays != 0 and path.stopped != 0) or not lights.may_light(block, emitter, path.bounce - 1)
 
 
 @kernel
@@ -50,7 +50,7 @@ def _mis(block, workspace, emitter, pdf):
     path = path_table(workspace)[0]
     if path.pdf <= 0.0:
         return 1.0
-    if not mis_applies(block, emitter) or not lights.may_light(block, emitter, path.bounce - 1):
+    if not mis_applies(block, emitter):
         return 0.0
     pmf = lights.selection_probability(
         block,
@@ -60,7 +60,7 @@ def _mis(block, workspace, emitter, pdf):
         emitter,
         light_cut_of(workspace),
     )
-    if _stopped(block, path):  # as in Cycles, which has the power heuristic
+    if _is_alone(block, path, emitter):  # the power heuristic of Cycles
         return path.pdf * path.pdf / (path.pdf * path.pdf + pmf * pmf * pdf * pdf)
     return path.pdf / (path.pdf + pmf * pdf)
 
@@ -202,7 +202,7 @@ def gather_world(block, workspace):
         return
     pdf = 0.0
     if path.pdf > 0.0:
-        if _stopped(block, path):
+        if _is_alone(block, path, world):
             pdf = lights.pdf_in_cycles(block, vec(path.origin), direction)
         else:
             pdf = lights.world_pdf(block, vec(path.origin), vec(path.normal), direction)

@@ -38,16 +38,20 @@ def is_lit(receivers: int, light_set: np.ndarray) -> np.ndarray:
 def balance_weight(
     data: SceneData, paths: Paths, light_pdf: np.ndarray, visibility: Ray = Ray.ALL, control: Control = NO_CONTROL
 ) -> np.ndarray:
-    """Balance heuristic (N,) for emission that rays have hit, with the density ``paths.pdf``; 1 if that is 0. Behind
-    what stops light rays, the power heuristic of Cycles."""
+    """Balance heuristic (N,) for emission that rays have hit, with the density ``paths.pdf``; 1 if that is 0. Where
+    no light rays find it, as behind what stops them or after the bounces of a light, the power heuristic of Cycles."""
     pdf = paths.pdf
     if not mis_applies(visibility, control):
         return np.where(pdf > 0.0, 0.0, 1.0)
     light_pdf = light_pdf * data.light_samples
     weight = np.where(pdf > 0.0, pdf / np.where(pdf > 0.0, pdf + light_pdf, 1.0), 1.0)
     power = weight**2 / (weight**2 + (1.0 - weight) ** 2)
-    weight = np.where(paths.stopped, power, weight)
-    return np.where((pdf > 0.0) & (paths.bounces[:, 0] - 1 > control.max_bounces), 0.0, weight)
+    return np.where((pdf > 0.0) & (paths.stopped | _used_up(paths, control)), power, weight)
+
+
+def _used_up(paths: Paths, control: Control) -> np.ndarray:
+    """(N,) whether the vertex where the ray starts is beyond the emitter's bounces."""
+    return paths.bounces[:, 0] - 1 > control.max_bounces
 
 
 def sees(data: SceneData, paths: Paths, emitter, control: Control) -> np.ndarray:
@@ -83,6 +87,7 @@ def gather_emitters(data: SceneData, paths: Paths, end: np.ndarray, samples: Sam
         weight = sees(data, paths, lamp, control) * balance_weight(
             data, paths, lamp.pdf(spans, count), lamp.visibility, control
         )
+        weight = np.where((paths.pdf > 0.0) & _used_up(paths, control), 0.0, weight)
         radiance = lamp.radiance(spans, paths.origin, paths.direction, paths.near, end)
         weight = np.where(paths.kind == Ray.CAMERA, lamp.lamp.camera_brightness, 1.0) * weight
         contribute(data, paths, radiance * weight[:, None], paths.bounces[:, 0], samples, lamp=True)
