@@ -40,6 +40,7 @@ QUICK = (*ROOMS, *LIGHTS, *lamp_scenes.THE_FIVE, *INTERIORS)
 BOUNCES = 4  # of scenes of lamps
 SIZE, QUICK_SIZE = 128, 64
 SAMPLES, QUICK_SAMPLES = 32, 16
+LIGHTS_SAMPLES = 64  # without SDF lamps, shorter renders do not try light paths
 SEEDS, QUICK_SEEDS = 8, 3
 RIVALS_SEEDS, QUICK_RIVALS_SEEDS = 8, 2
 DOCUMENT = host.REPOSITORY / "docs" / "sampling.md"
@@ -75,7 +76,7 @@ def measure(name: str, options) -> dict:
     """The row of a scene."""
     build = indirect_rivals.build_interior if name in INTERIORS else allocation.build
     scene = (indirect_rooms.build if name in (*ROOMS, *LIGHTS) else build)(name, QUICK_SIZE if options.quick else SIZE)
-    samples = QUICK_SAMPLES if options.quick else SAMPLES
+    samples = LIGHTS_SAMPLES if name in LIGHTS else QUICK_SAMPLES if options.quick else SAMPLES
     seeds = max(options.repeats or (QUICK_SEEDS if options.quick else SEEDS), 2)
     for variant in (WITHOUT, AUTOMATIC):
         _render(name, scene, variant, 2, 0, options.device)  # compiles, and fills caches

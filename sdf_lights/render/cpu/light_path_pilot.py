@@ -15,11 +15,14 @@ import numpy as np
 
 from ..film import Film
 from ..sample_allocation import golden_ratio_sequence, own_cost
+from .light_paths import LightPaths
 
 SAMPLES = 2  # of each pilot pixel: the fewest that scatter
 # Pilot pixels: for each pixel and sample of the render, so that all four samples take 2 % of its time; of a render at
 # most, and at least.
 PART, MOST, FEWEST = 0.005, 4096, 96
+# The most that a pilot may cost, as a part of the render, where no SDF lamp makes a gain likely.
+MOST_COST = 0.03
 # Error × time without light paths over that with them, from which on they are used: noisy estimates promise too much.
 # What they must promise before they are tried.
 GAIN, LEAST_POTENTIAL = 1.3, 1.5
@@ -37,6 +40,12 @@ def pilot_pixels(film: Film, samples: int) -> np.ndarray | None:
     found = np.zeros_like(film.active)
     found[active[golden_ratio_sequence(len(active)) < wanted / len(active)]] = 1
     return found
+
+
+def is_affordable(pixels: np.ndarray, light_paths: LightPaths, film: Film, samples: int) -> bool:
+    """Whether a pilot of these ``pixels`` costs little beside a render with so many samples, or is likely to pay."""
+    cost = 2 * SAMPLES * np.count_nonzero(pixels) + light_paths.pilot_cost(SAMPLES)
+    return light_paths.has_lamps() or cost <= MOST_COST * samples * np.count_nonzero(film.active)
 
 
 @dataclass(frozen=True)

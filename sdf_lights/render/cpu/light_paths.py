@@ -57,6 +57,7 @@ SHARED, TREE_SHARED = 16, 8
 MOST_PATHS, MOST_TREE_PATHS = 16384, 8192
 PILOT_NUMBER = 1 << 30  # of light paths: beyond those of samples
 MOST_VERTICES = 32  # of a path
+PATH_COST = 2.0  # of a light path, in samples of pixels
 NODES = 2048
 PILOTS = 256
 CHUNK = 256  # paths that a thread takes at once
@@ -248,6 +249,15 @@ class LightPaths:
             self._connect(first, size)
             self._connected = first
         return first + size - offset
+
+    def has_lamps(self) -> bool:
+        """Whether SDF lamps are among the sources."""
+        return bool(self._lasting["light_path_sources"][: len(self._packed.lamps_of(self._scene))].any())
+
+    def pilot_cost(self, samples: int) -> float:
+        """About the time for the tree and the light paths of a pilot with so many, in samples of pixels."""
+        paths = _paths(self._pixels / TREE_SHARED, MOST_TREE_PATHS)
+        return PATH_COST * (paths + samples * _paths(self._pixels / SHARED, MOST_PATHS))
 
     def use_pilot(self, sample: int) -> None:
         """As ``use``, for a pilot, with light paths that no set has."""

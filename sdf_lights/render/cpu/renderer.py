@@ -21,7 +21,7 @@ from ..scene import Scene
 from . import background
 from .block import PackedScene, Workspace
 from .light_path_pilot import SAMPLES as PILOT_SAMPLES
-from .light_path_pilot import Pilot, is_worthwhile, may_be_worthwhile, pilot_pixels
+from .light_path_pilot import Pilot, is_affordable, is_worthwhile, may_be_worthwhile, pilot_pixels
 from .light_paths import LightPaths
 from .path_splitting import render_tile
 
@@ -147,7 +147,7 @@ class CpuRenderer:
             return True
         self._light_paths = None
         pixels = pilot_pixels(film, self._settings.samples)
-        if pixels is None:
+        if pixels is None or not is_affordable(pixels, light_paths, film, self._settings.samples):
             return True
         without = self._pilot(pixels, stop)
         if without is None or not may_be_worthwhile(without):
