@@ -43,7 +43,8 @@ def pilot_pixels(film: Film, samples: int) -> np.ndarray | None:
 
 
 def is_affordable(pixels: np.ndarray, light_paths: LightPaths, film: Film, samples: int) -> bool:
-    """Whether a pilot of these ``pixels`` costs little beside a render with so many samples, or is likely to pay."""
+    """Whether a pilot of these ``pixels``, (n,) with 1 for each, costs little beside a render with so many samples, or
+    is likely to pay."""
     cost = 2 * SAMPLES * np.count_nonzero(pixels) + light_paths.pilot_cost(SAMPLES)
     return light_paths.has_lamps() or cost <= MOST_COST * samples * np.count_nonzero(film.active)
 
