@@ -7,7 +7,7 @@ import pytest
 
 from sdf_lights.blender.shader_trees import node_tree_of, use_nodes
 
-from .test_faces_as_in_cycles import same
+from .test_faces_as_in_cycles import assert_means_agree
 
 pytest.importorskip("_cycles")
 
@@ -57,7 +57,7 @@ def test_generated_coordinates_of_lights_are_those_of_their_object(render, corne
         tree.links.new(coordinates.outputs["Generated"], texture.inputs["Vector"])
     tree.links.new(texture.outputs["Color"], emission.inputs["Color"])
     ours, theirs = render(256)
-    same(ours, theirs)
+    assert_means_agree(ours, theirs)
     assert ours[..., :3].mean((0, 1)) == pytest.approx(theirs[..., :3].mean((0, 1)), rel=0.02)
 
 
@@ -72,7 +72,7 @@ def test_other_objects_see_a_holdout(render, corner, add, material):
     mesh.materials.append(made)
     add("Held out", mesh, rotation=(0.0, 0.0, 0.6)).is_holdout = True
     ours, theirs = render(512)
-    same(ours, theirs)
+    assert_means_agree(ours, theirs)
     red, green = ours[..., 0].mean(), ours[..., 1].mean()
     assert red > 1.05 * green  # the red of the box reaches the floor
     assert (ours[..., 3] == 0.0).any()
@@ -88,7 +88,7 @@ def test_sampled_light_knows_how_often_its_path_has_scattered(render, corner, ad
     mesh = cube(1.0)
     mesh.materials.append(made)
     add("Box", mesh, rotation=(0.0, 0.0, 0.6))
-    same(*render(512), most=0.02)
+    assert_means_agree(*render(512), most=0.02)
 
 
 def test_a_volume_in_a_smooth_opaque_box_is_not_seen(render, corner, add, material):
@@ -104,8 +104,8 @@ def test_a_volume_in_a_smooth_opaque_box_is_not_seen(render, corner, add, materi
     volume.inputs["Density"].default_value = 5.0
     tree.links.new(volume.outputs[0], surface.node.inputs["Volume"])
     ours, theirs = render(64)
-    same(ours, theirs)
-    same(ours, plain)
+    assert_means_agree(ours, theirs)
+    assert_means_agree(ours, plain)
 
 
 def test_a_sun_without_shadows_shines_through_fog(file, render, corner, add):
@@ -120,7 +120,7 @@ def test_a_sun_without_shadows_shines_through_fog(file, render, corner, add):
     volume, output = tree.nodes.new("ShaderNodeVolumeScatter"), tree.nodes.new("ShaderNodeOutputWorld")
     volume.inputs["Density"].default_value = 0.05
     tree.links.new(volume.outputs[0], output.inputs["Volume"])
-    same(*render(256))
+    assert_means_agree(*render(256))
 
 
 @pytest.mark.parametrize("seen", ["visible_diffuse", "visible_glossy"])
@@ -138,6 +138,6 @@ def test_velvet_is_glossy_to_lights(render, corner, add, material, seen):
     setattr(obj, seen, False)
     ours, theirs = render(4096)  # directions are drawn uniformly, which is noisy
     if seen == "visible_diffuse":
-        same(ours, theirs, most=0.02)
+        assert_means_agree(ours, theirs, most=0.02)
     else:
         assert ours[..., :3].max() < 1e-2
