@@ -533,6 +533,6 @@ def test_only_trees_of_this_kind_are_offered(file, lamp):
     data = lamp()
     other = bpy.data.node_groups.new("Other", "ShaderNodeTree")
     data.sdf_lamp.nodes, data.sdf_lamp.source = other, "NODES"
-    with pytest.raises(RenderError, match="something else"):
+    with pytest.raises(RenderError, match="is not for SDF lamps"):
         shape_of(data.sdf_lamp)
     assert bpy.data.node_groups.new("Own", NODE_TREE).bl_idname == NODE_TREE
