@@ -69,13 +69,13 @@ def AOV(scene):
 
 @feature("Compositor", layer="Composite")
 def cryptomatte(scene):
-    """The matte of one object, by Blender's Cryptomatte node."""
+    """The matte of two objects, by Blender's Cryptomatte node."""
     _on(["cryptomatte_object"])
     tree, end = compositor(scene)
     node = tree.nodes.new("CompositorNodeCryptomatteV2")
     node.source, node.scene, node.layer_name = "RENDER", scene, f"{bpy.context.view_layer.name}.CryptoObject"
     node.matte_id = "Metal,Block"
-    tree.links.new(node.outputs["Image"], end.inputs[0])
+    tree.links.new(node.outputs["Matte"], end.inputs[0])
 
 
 @feature("Compositor", layer="Composite")
