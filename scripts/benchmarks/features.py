@@ -85,8 +85,10 @@ def complaints(rows: list[dict]) -> list[str]:
     return said
 
 
-def _differs(row: dict) -> bool:
-    return not row["error"] and (row["mean_difference"] > LIMIT or row["is_beyond_noise"])
+def differs(row: dict) -> bool:
+    """Whether a pass that was rendered differs, and nobody knows why."""
+    is_known = bool(row["error"]) or row["pass"] in EXPLAINED
+    return not is_known and (row["mean_difference"] > LIMIT or row["is_beyond_noise"])
 
 
 def _rows(name: str, options, shared: Isolated) -> list[dict]:
