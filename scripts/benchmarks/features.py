@@ -20,6 +20,7 @@ from .progress import Progress
 from .resume import Parts
 
 HELP = "a small scene for each feature of Cycles, by both engines: differences of pictures and passes"
+BRIEF = dict(features=["sun"])
 SAMPLES, QUICK_SAMPLES, SEEDS = 64, 16, 4
 LIMIT = 0.01  # of the difference of means
 MATTES = ("Crypto", "Noisy", "Denoising")  # beginnings of names of passes that have no mean to compare
