@@ -32,7 +32,7 @@ FASTMATH = {"contract", "reassoc", "arcp", "nsz"}
 
 _IMPORT = re.compile(r"^\s*from (\.+|sdf_lights\b)([\w.]*) import (\([^)]*\)|[^\n#]+)", re.MULTILINE)
 ROOT = pathlib.Path(__file__).resolve().parent
-
+_ROOT = f"{ROOT}{os.sep}"
 
 _FLAGS = dict(bmi1="bmi", abm="lzcnt", sse4_2="sse4.2")  # names in Linux that are not those in LLVM
 
@@ -95,20 +95,35 @@ def target() -> tuple:
 
 
 @functools.cache
-def _imports(path: pathlib.Path) -> frozenset[pathlib.Path]:
-    """Source files of the package that the source file ``path`` imports directly."""
+def _files() -> frozenset[str]:
+    """Paths of all source files of the package: one walk is faster than a question for each import."""
+    return frozenset(
+        os.path.join(folder, name) for folder, _, names in os.walk(ROOT) for name in names if name.endswith(".py")
+    )
+
+
+def _is_file(path: str) -> bool:
+    return path in _files() if path.startswith(_ROOT) else os.path.isfile(path)
+
+
+@functools.cache
+def _source(path: str) -> tuple[bytes, frozenset[str]]:
+    """Hash of a source file, and the source files of the package that it imports directly."""
     found: set[str] = set()
-    for dots, module, names in _IMPORT.findall(path.read_text(encoding="utf-8")):
+    content = pathlib.Path(path).read_bytes()
+    text = content.decode()
+    for dots, module, names in _IMPORT.findall(text):
         # Only tests, which are outside the package, import it absolutely.
-        root = path.parents[len(dots) - 1] if dots.startswith(".") else ROOT
-        base = root.joinpath(*filter(None, module.split(".")))
-        candidates = [base.with_suffix(".py"), base / "__init__.py"]
+        root = path.rsplit(os.sep, len(dots))[0] if dots.startswith(".") else str(ROOT)
+        base = os.path.join(root, *filter(None, module.split(".")))
+        candidates = [base + ".py", os.path.join(base, "__init__.py")]
         for name in re.findall(r"\w+", names):
-            candidates += [base / f"{name}.py", base / name / "__init__.py"]
-        found.update(candidate for candidate in candidates if candidate.is_file())
-    if "import_module(" in path.read_text(encoding="utf-8"):  # siblings of the package
-        found.update(path.parent.glob("*.py"))
-    return frozenset(found)
+            inside = os.path.join(base, name)
+            candidates += [inside + ".py", os.path.join(inside, "__init__.py")]
+        found.update(filter(_is_file, candidates))
+    if "import_module(" in text:  # siblings of the package
+        found.update(map(str, pathlib.Path(path).parent.glob("*.py")))
+    return hashlib.sha256(content).digest(), frozenset(found)
 
 
 @functools.cache
@@ -118,14 +133,15 @@ def source_hash(path: pathlib.Path) -> str:
     Numba's own cache looks at the time stamp of the one file that defines a function, so it misses changes in the
     called functions. A folder named by this hash gives every such change a clean cache.
     """
-    reached, pending = set(), {path}
+    reached: set[str] = set()
+    pending = {str(path)}
     while pending:
         reached |= pending
-        pending = set().union(*map(_imports, pending)) - reached
+        pending = set().union(*(_source(each)[1] for each in pending)) - reached
     sampler = os.environ.get("SDF_LIGHTS_SAMPLER", "")  # the sampler of the kernels: see ``render.kernels.samplers``
     digest = hashlib.sha256(f"{compiler()[0]} {np.__version__.partition('.')[0]} {sampler}".encode())
-    for source in sorted(reached):
-        digest.update(source.read_bytes())
+    for source in sorted(reached, key=lambda source: source.split(os.sep)):
+        digest.update(_source(source)[0])
     return digest.hexdigest()[:16]
 
 
