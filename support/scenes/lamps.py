@@ -77,8 +77,7 @@ def frame_lamp(width: int = WIDTH, height: int = HEIGHT) -> Scene:
 
 def field_lamps(width: int = WIDTH, height: int = HEIGHT) -> Scene:
     """Lamps whose intervals have no closed form: a twisted bar, a spring, a sponge."""
-    scene = room(width, height)
-    add(scene, 1, translation(0.9, 0.6, 0.4) @ rotation("z", 15) @ scaling(0.4, 0.4, 0.4), diffuse(GREY))
+    scene = _room_with_box(width, height)
     twisted = shapes.SHAPES["twist"](shapes.Box((0.15, 0.1, 0.4)), 1.5)
     scene.lamps += [
         Lamp(
@@ -105,10 +104,15 @@ def field_lamps(width: int = WIDTH, height: int = HEIGHT) -> Scene:
     return scene
 
 
-def data_lamps(width: int = WIDTH, height: int = HEIGHT) -> Scene:
-    """Lamps made of data: an outline, a tube, a mesh."""
+def _room_with_box(width: int, height: int) -> Scene:
     scene = room(width, height)
     add(scene, 1, translation(0.9, 0.6, 0.4) @ rotation("z", 15) @ scaling(0.4, 0.4, 0.4), diffuse(GREY))
+    return scene
+
+
+def data_lamps(width: int = WIDTH, height: int = HEIGHT) -> Scene:
+    """Lamps made of data: an outline, a tube, a mesh."""
+    scene = _room_with_box(width, height)
     outline, rod, mesh, _ = simplest()
     turn = rotation("x", 60) @ rotation("y", 20)
     scene.lamps += [
@@ -121,8 +125,7 @@ def data_lamps(width: int = WIDTH, height: int = HEIGHT) -> Scene:
 
 def network_lamp(width: int = WIDTH, height: int = HEIGHT) -> Scene:
     """A network of sines, over a box."""
-    scene = room(width, height)
-    add(scene, 1, translation(0.9, 0.6, 0.4) @ rotation("z", 15) @ scaling(0.4, 0.4, 0.4), diffuse(GREY))
+    scene = _room_with_box(width, height)
     network = simplest()[3]
     scene.lamps.append(Lamp("network", network, translation(-0.2, 0.2, 1.2) @ rotation("z", 40), power=30.0))
     return scene
@@ -130,8 +133,7 @@ def network_lamp(width: int = WIDTH, height: int = HEIGHT) -> Scene:
 
 def colored_lamps(width: int = WIDTH, height: int = HEIGHT) -> Scene:
     """Colours from place to place: across the box of a mesh, along a tube, of a picture on an outline."""
-    scene = room(width, height)
-    add(scene, 1, translation(0.9, 0.6, 0.4) @ rotation("z", 15) @ scaling(0.4, 0.4, 0.4), diffuse(GREY))
+    scene = _room_with_box(width, height)
     outline, rod, mesh, _ = simplest()
     turn = rotation("x", 60) @ rotation("y", 20)
     stripes = np.zeros((2, 4, 4), np.float32)

@@ -17,6 +17,7 @@ bpy = pytest.importorskip("bpy")
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
 
 import build_extension  # noqa: E402  (found on the path set above)
+from scenery.compositing import empty_compositor  # noqa: E402
 
 from sdf_lights import blender  # noqa: E402
 from sdf_lights.blender import sync as sync_package  # noqa: E402
@@ -170,14 +171,7 @@ def material():
 @pytest.fixture
 def compositor(file):
     """(tree, node): an empty tree of the scene's compositor, and the node whose first input is the result."""
-    scene = file.scene
-    if hasattr(scene, "compositing_node_group"):
-        tree = scene.compositing_node_group = bpy.data.node_groups.new("Compositor", "CompositorNodeTree")
-        tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
-        return tree, tree.nodes.new("NodeGroupOutput")
-    scene.use_nodes = True
-    scene.node_tree.nodes.clear()
-    return scene.node_tree, scene.node_tree.nodes.new("CompositorNodeComposite")
+    return empty_compositor(file.scene)
 
 
 @pytest.fixture

@@ -9,6 +9,7 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
+from scenery.compositing import sum_of_light_groups
 
 from sdf_lights.blender.naming import ENGINE
 from sdf_lights.render.cryptomatte import number_of
@@ -18,7 +19,6 @@ pytest.importorskip("_cycles")
 
 DATA = ("z", "ambient_occlusion", "mist", "uv", "object_index", "material_index")
 LIGHT = ("emit", "environment")
-MIX = "CompositorNodeMixRGB" if bpy.app.version < (5, 0, 0) else "ShaderNodeMix"  # adds pictures in the compositor
 LOBES = [f"{lobe}_{part}" for lobe in ("diffuse", "glossy", "transmission") for part in ("direct", "indirect", "color")]
 
 
@@ -338,19 +338,7 @@ def test_light_groups_are_mixed_anew(scene, pictures, file, compositor):
     scene.world.lightgroup, scene.render.engine = "Sky", ENGINE
     file.layer.update_render_passes()
     tree, end = compositor
-    layers, result = tree.nodes.new("CompositorNodeRLayers"), None
-    layers.scene = scene
-    for name, factor in factors.items():
-        node = tree.nodes.new(MIX)
-        if MIX == "ShaderNodeMix":
-            node.data_type, node.clamp_factor = "RGBA", False
-        node.blend_type = "ADD"
-        share, first, second = (socket for socket in node.inputs if socket.enabled)
-        share.default_value, first.default_value = factor, (0.0, 0.0, 0.0, 1.0)
-        if result is not None:
-            tree.links.new(result, first)
-        tree.links.new(layers.outputs[f"Combined_{name}"], second)
-        result = next(socket for socket in node.outputs if socket.enabled)
+    result = sum_of_light_groups(scene, tree, factors)
     tree.links.new(result, end.inputs[0])
     mixed = pictures()["Composite"]["Combined"][..., :3]
     bpy.data.lights["Area"].energy *= factors["Key"]

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import bpy
+from scenery.compositing import empty_compositor, sum_of_light_groups
 
 from .motion import keyed
 from .stage import feature, lamp
@@ -19,16 +20,9 @@ def _on(names) -> None:
         setattr(layer, f"use_pass_{name}", True)
 
 
-def compositor(scene):
-    """(tree, node): the empty tree of the scene's compositor, and the node whose first input is the result."""
+def _compositor(scene):
     scene.render.use_compositing = True
-    if hasattr(scene, "compositing_node_group"):
-        tree = scene.compositing_node_group = bpy.data.node_groups.new("Compositor", "CompositorNodeTree")
-        tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
-        return tree, tree.nodes.new("NodeGroupOutput")
-    scene.use_nodes = True
-    scene.node_tree.nodes.clear()
-    return scene.node_tree, scene.node_tree.nodes.new("CompositorNodeComposite")
+    return empty_compositor(scene)
 
 
 @feature("Passes", all_passes=True)
@@ -71,7 +65,7 @@ def AOV(scene):
 def cryptomatte(scene):
     """The matte of two objects, by Blender's Cryptomatte node."""
     _on(["cryptomatte_object"])
-    tree, end = compositor(scene)
+    tree, end = _compositor(scene)
     node = tree.nodes.new("CompositorNodeCryptomatteV2")
     node.source, node.scene, node.layer_name = "RENDER", scene, f"{bpy.context.view_layer.name}.CryptoObject"
     node.matte_id = "Metal,Block"
@@ -83,7 +77,7 @@ def vector_blur(scene):
     """Motion from the pass Vector, by Blender's Vector Blur node."""
     _on(["vector", "z"])
     keyed(bpy.data.objects["Plastic"], "location", (-0.6, -0.5, 0.3), (-0.2, -0.5, 0.3), (0.2, -0.5, 0.3))
-    tree, end = compositor(scene)
+    tree, end = _compositor(scene)
     layers, node = tree.nodes.new("CompositorNodeRLayers"), tree.nodes.new("CompositorNodeVecBlur")
     layers.scene = scene
     for source, target in (("Image", "Image"), ("Vector", "Speed"), ("Depth", "Z")):
@@ -96,18 +90,6 @@ def light_groups_mixed_anew(scene):
     """Half of one light group and twice another one, added by the compositor."""
     light_groups(scene)
     bpy.context.view_layer.update_render_passes()
-    tree, end = compositor(scene)
-    layers, result = tree.nodes.new("CompositorNodeRLayers"), None
-    layers.scene = scene
-    for name, factor in {"Key": 0.5, "Fill": 2.0, "Sky": 1.0}.items():
-        node = tree.nodes.new("CompositorNodeMixRGB" if bpy.app.version < (5, 0, 0) else "ShaderNodeMix")
-        if node.bl_idname == "ShaderNodeMix":
-            node.data_type, node.clamp_factor = "RGBA", False
-        node.blend_type = "ADD"
-        share, first, second = (socket for socket in node.inputs if socket.enabled)
-        share.default_value, first.default_value = factor, (0.0, 0.0, 0.0, 1.0)
-        if result is not None:
-            tree.links.new(result, first)
-        tree.links.new(layers.outputs[f"Combined_{name}"], second)
-        result = next(socket for socket in node.outputs if socket.enabled)
+    tree, end = _compositor(scene)
+    result = sum_of_light_groups(scene, tree, {"Key": 0.5, "Fill": 2.0, "Sky": 1.0})
     tree.links.new(result, end.inputs[0])
