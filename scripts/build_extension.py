@@ -22,6 +22,7 @@ import tomllib
 import zipfile
 from dataclasses import dataclass
 
+import host
 import shipped_kernels
 from packaging.requirements import Requirement
 
@@ -40,7 +41,7 @@ PLATFORMS = {
 
 
 @dataclass(frozen=True)
-class Host:
+class Blenders:
     """The Blender versions with one Python: the first, the first without it, and their NumPy."""
 
     first: str
@@ -50,9 +51,9 @@ class Host:
 
 # 3.14 is not in Blender's own builds: some Linux distributions build Blender with their Python.
 PYTHONS = {
-    "3.11": Host("4.5.0", "5.1.0", ("1.26.4",)),
-    "3.13": Host("5.1.0", None, ("2.2.0", "2.5.5")),
-    "3.14": Host("5.1.0", None, ("2.2.0", "2.5.5")),
+    "3.11": Blenders("4.5.0", "5.1.0", ("1.26.4",)),
+    "3.13": Blenders("5.1.0", None, ("2.2.0", "2.5.5")),
+    "3.14": Blenders("5.1.0", None, ("2.2.0", "2.5.5")),
 }
 
 
@@ -153,10 +154,10 @@ def _check_numpy(wheels: list[pathlib.Path], python: str) -> None:
 
 def manifest(platform: str, python: str, wheels: list[pathlib.Path]) -> str:
     """The manifest of one zip: the repository's, with wheels, platform and range of Blender versions."""
-    host = PYTHONS[python]
-    lines = [f'blender_version_min = "{host.first}"']
-    if host.end:
-        lines.append(f'blender_version_max = "{host.end}"')
+    blenders = PYTHONS[python]
+    lines = [f'blender_version_min = "{blenders.first}"']
+    if blenders.end:
+        lines.append(f'blender_version_max = "{blenders.end}"')
     if wheels:
         lines.append(f'platforms = ["{platform}"]')
         lines += ["wheels = [", *(f'  "./wheels/{wheel.name}",' for wheel in wheels), "]"]
@@ -166,11 +167,13 @@ def manifest(platform: str, python: str, wheels: list[pathlib.Path]) -> str:
 
 def _add_kernels(stage: pathlib.Path, platform: str, python: str) -> bool:
     """Compile the kernels for the zip, if this machine can. Raises BuildError."""
-    interpreter = shipped_kernels.interpreter(python)
-    if platform != this_platform() or interpreter is None:
+    if platform != this_platform():
+        return False
+    compiler = shipped_kernels.compiler(python)
+    if compiler is None:
         return False
     try:
-        shipped_kernels.ship(shipped_kernels.compiled(stage, interpreter), stage / "sdf_lights")
+        shipped_kernels.ship(shipped_kernels.compiled(stage, compiler), stage / "sdf_lights")
     except subprocess.CalledProcessError as error:
         raise BuildError(f"Compiling the kernels failed:\n{error.stderr}".rstrip()) from error
     return True
@@ -216,7 +219,8 @@ def build(
             shutil.copy2(wheel, stage / "wheels" / wheel.name)
         if with_kernels and with_wheels and not _add_kernels(stage, platform, python):
             print(
-                f"{name}: without compiled kernels, which only {platform} with Python {python} can make",
+                f"{name}: without compiled kernels, which only {platform} with Python {python} and Numba, or with a "
+                f"Blender that has Python {python}, can make",
                 file=sys.stderr,
             )
         (stage / "blender_manifest.toml").write_text(manifest(platform, python, wheels), encoding="utf-8")
@@ -262,33 +266,12 @@ def python_for(version: str) -> str:
     if match is None:
         raise BuildError(f"{version!r} is not a version of Blender, such as 5.2.")
     asked = int(match[1]), int(match[2]), 0
-    for python, host in PYTHONS.items():
-        first, end = (tuple(map(int, text.split("."))) if text else None for text in (host.first, host.end))
+    for python, blenders in PYTHONS.items():
+        first, end = (tuple(map(int, text.split("."))) if text else None for text in (blenders.first, blenders.end))
         if first <= asked and (end is None or asked < end):
             return python
     first = PYTHONS["3.11"].first
     raise BuildError(f"Blender {version} is too old: the extension needs Blender {first} or later.")
-
-
-def python_in(command: str) -> str:
-    """The Python of the Blender that a command starts. Raises BuildError."""
-    ask = "import sys; print('Python', *sys.version_info[:2])"
-    try:
-        done = subprocess.run(
-            [command, "--background", "--factory-startup", "--python-expr", ask],
-            capture_output=True,
-            text=True,
-            timeout=120,
-        )
-    except (OSError, subprocess.TimeoutExpired) as error:
-        raise BuildError(f"{command} does not start ({error}): say which Blender with --blender 5.2.") from error
-    found = re.search(r"^Python (\d+) (\d+)$", done.stdout, re.MULTILINE)
-    if found is None:
-        raise BuildError(f"{command} does not say which Python it has: say which Blender with --blender 5.2.")
-    python = f"{found[1]}.{found[2]}"
-    if python not in PYTHONS:
-        raise BuildError(f"{command} has Python {python}, for which there are no wheels: choose one with --python.")
-    return python
 
 
 def asked_python(python: str | None, blender: str | None) -> str:
@@ -298,8 +281,16 @@ def asked_python(python: str | None, blender: str | None) -> str:
         return python
     if blender is not None:
         return python_for(blender)
-    command = shutil.which("blender")
-    return python_in(command) if command else "%d.%d" % sys.version_info[:2]
+    command = host.blender_command()
+    if command is None:
+        return "%d.%d" % sys.version_info[:2]
+    try:
+        found = host.python_of(command)
+    except RuntimeError as error:
+        raise BuildError(f"{error}\nSay which Blender with --blender 5.2.") from error
+    if found not in PYTHONS:
+        raise BuildError(f"{command[-1]} has Python {found}, for which there are no wheels: choose one with --python.")
+    return found
 
 
 def main(arguments: list[str]) -> int:

@@ -25,31 +25,42 @@ ENGINE = "SDF_LIGHTS"
 NO_WINDOW = "no Blender with a window: put blender on the path, or set SDF_LIGHTS_BLENDER to its command"
 
 
-def windowed_blender() -> list[str] | None:
-    """Command that opens a Blender with a window; arguments follow it. None if there is no such Blender.
+def blender_command() -> list[str] | None:
+    """Command that starts the installed Blender; arguments follow it. None if there is none.
 
     ``SDF_LIGHTS_BLENDER`` is that command, with any prefix (``"xvfb-run -a blender"``); without it, the ``blender`` on
     the path.
     """
-    command = shlex.split(os.environ.get("SDF_LIGHTS_BLENDER", ""))
-    if command or not shutil.which("blender"):
-        return command or None
-    if sys.platform == "linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
-        return ["xvfb-run", "-a", "blender"]
-    return ["blender"]
+    found = shutil.which("blender")
+    return shlex.split(os.environ.get("SDF_LIGHTS_BLENDER", "")) or ([found] if found else None)
+
+
+def windowed_blender() -> list[str] | None:
+    """Command that opens the installed Blender with a window, if need be on a virtual screen. None if there is no
+    Blender."""
+    command = blender_command()
+    without_screen = sys.platform == "linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+    if command and without_screen and "SDF_LIGHTS_BLENDER" not in os.environ:
+        return ["xvfb-run", "-a", *command]
+    return command
 
 
 def python_of(command: list[str]) -> str:
-    """Version of the Python in the Blender that ``command`` opens, such as "3.13". Raises RuntimeError if it does not
-    start."""
-    told = subprocess.run(
-        [*command, "--background", "--python-expr", "import sys; print('Python', *sys.version_info[:2])"],
-        capture_output=True,
-        text=True,
-    )
+    """Version of the Python in the Blender that ``command`` starts, such as "3.13". Raises RuntimeError, with a
+    sentence, if it does not start."""
+    ask = "import sys; print('Python', *sys.version_info[:2])"
+    try:
+        told = subprocess.run(
+            [*command, "--background", "--factory-startup", "--python-expr", ask],
+            capture_output=True,
+            text=True,
+            timeout=120,
+        )
+    except (OSError, subprocess.TimeoutExpired) as error:
+        raise RuntimeError(f"{shlex.join(command)} does not start: {error}.") from error
     found = re.search(r"^Python (\d+) (\d+)$", told.stdout, re.MULTILINE)
     if found is None:
-        raise RuntimeError(f"Blender does not start:\n{told.stdout}{told.stderr}")
+        raise RuntimeError(f"{shlex.join(command)} does not say which Python it has:\n{told.stdout}{told.stderr}")
     return f"{found[1]}.{found[2]}"
 
 

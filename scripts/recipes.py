@@ -22,13 +22,14 @@ HEAD = """# Recipes
 
 <!-- Made by `./scripts/recipes --document`; edit the docstrings of scripts/recipe_scenes instead. -->
 
-Twenty scenes, with the steps to the light in them. All begin with Render Properties > Render Engine > **SDF Lights**, a dark
-*World*, and *Denoise*. [first_steps.md](first_steps.md) has the first steps of all, [lamps.md](lamps.md) the panels.
+This page has twenty scenes and the steps to their light. Before the first step, choose Render Properties > Render Engine >
+**SDF Lights**, give the *World* a dark colour, and turn *Denoise* on. [first_steps.md](first_steps.md) explains the first
+steps with the engine, and [lamps.md](lamps.md) explains the panels.
 
     ./scripts/recipes
 
-builds each scene by the same operators and properties as the steps say, and saves it as a .blend in `build/recipes/`. A name such as `portal` builds one.
-`./scripts/recipes --render` renders the pictures of this page.
+builds each scene and saves it as a .blend in `build/recipes/`. It uses the operators and properties that the steps name.
+With a name, such as `portal`, it builds one scene. `./scripts/recipes --render` also renders the pictures of this page.
 """
 GALLERY = """# Gallery
 

@@ -7,35 +7,67 @@ Two runs give the same bytes: one thread compiles, in one order, with one seed o
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import os
 import pathlib
 import shutil
 import subprocess
 import sys
+import zipfile
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import host
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
-GROUPS = ("paths", "lamps", "special")  # of ``sdf_lights.render.cpu.precompile``: one process each
+PROGRAM = "sdf_lights.render.cpu.precompile"
+GROUPS = ("paths", "lamps", "special")  # of that program: one process each
 KEPT = "*/*/*.kernel"
 
 
-def interpreter(python: str) -> pathlib.Path | None:
-    """A Python of that version with Numba and Blender's libraries: this one, or that of an environment of the
-    checkout."""
+@dataclass(frozen=True)
+class Compiler:
+    """A command that starts a Python, and whether that is the one in a Blender, which has no Numba of its own."""
+
+    command: tuple[str, ...]
+    in_blender: bool = False
+
+    def run(self, sources: pathlib.Path, libraries: pathlib.Path, group: str) -> list[str]:
+        """The command that compiles one group of kernels of the package in ``sources``."""
+        if not self.in_blender:
+            return [*self.command, "-m", PROGRAM, group]
+        paths = [str(sources), str(libraries)]
+        text = f"import sys; sys.path[:0] = {paths!r}; from {PROGRAM} import main; main([{group!r}])"
+        # Blender's Python ignores PYTHONHASHSEED unless it is told to use the environment.
+        options = ("--background", "--factory-startup", "--python-use-system-env", "--python-exit-code", "1")
+        return [*self.command, *options, "--python-expr", text]
+
+
+def compiler(python: str) -> Compiler | None:
+    """What compiles for a version of Python: this process's Python, that of an environment of the checkout, or that
+    of the installed Blender. None if none of them has that version."""
     if python == "%d.%d" % sys.version_info[:2]:
-        return pathlib.Path(sys.executable)
+        return Compiler((sys.executable,))
     environment = REPOSITORY / f".venv-{python}"
     found = environment / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
-    return found if found.is_file() else None
+    if found.is_file():
+        return Compiler((str(found),))
+    blender = host.blender_command()
+    if blender is not None:
+        with contextlib.suppress(RuntimeError):
+            if host.python_of(blender) == python:
+                return Compiler(tuple(blender), in_blender=True)
+    return None
 
 
 def compiled(
-    sources: pathlib.Path, python: pathlib.Path, groups: tuple[str, ...] = GROUPS, keep: bool = True
+    sources: pathlib.Path, compiler: Compiler, groups: tuple[str, ...] = GROUPS, keep: bool = True
 ) -> pathlib.Path:
-    """Folder with the kernels of the package in ``sources``, compiled by an interpreter. Kernels compiled before from
-    the same sources are reused, unless ``keep`` is False. Raises ``subprocess.CalledProcessError``."""
-    digest = hashlib.sha256(str((python.resolve(), groups)).encode())
+    """Folder with the kernels of the package in ``sources``, which has the zip's ``wheels``. Kernels compiled before
+    from the same sources and wheels are reused, unless ``keep`` is False. Raises ``subprocess.CalledProcessError``."""
+    wheels = sorted((sources / "wheels").glob("*.whl"))
+    digest = hashlib.sha256(str((compiler, groups, [wheel.name for wheel in wheels])).encode())
     package = sources / "sdf_lights"
     for path in sorted(package.rglob("*.py")):
         if path.relative_to(package).parts[0] != "blender":  # nothing there is a kernel
@@ -44,10 +76,15 @@ def compiled(
     if keep and (folder / "complete").is_file():
         return folder
     shutil.rmtree(folder, ignore_errors=True)
+    libraries = folder / "libraries"
+    if compiler.in_blender:
+        for wheel in wheels:
+            with zipfile.ZipFile(wheel) as archive:
+                archive.extractall(libraries)
 
     def compile_group(group: str) -> None:
         subprocess.run(
-            [python, "-m", "sdf_lights.render.cpu.precompile", group],
+            compiler.run(sources, libraries, group),
             cwd=sources,
             env=_environment(folder / group),
             check=True,
@@ -64,13 +101,17 @@ def compiled(
             if not place.exists():
                 path.rename(place)
         shutil.rmtree(folder / group)
+    shutil.rmtree(libraries, ignore_errors=True)
     (folder / "complete").touch()
     return folder
 
 
 def _environment(cache: pathlib.Path) -> dict[str, str]:
-    told = {name: value for name, value in os.environ.items() if not name.startswith(("NUMBA_", "SDF_LIGHTS_"))}
-    told.pop("PYTHONPATH", None)
+    told = {
+        name: value
+        for name, value in os.environ.items()
+        if not name.startswith(("NUMBA_", "SDF_LIGHTS_", "PYTHONPATH")) or name.startswith("SDF_LIGHTS_BLENDER")
+    }
     return told | {"SDF_LIGHTS_CACHE": str(cache), "PYTHONHASHSEED": "0", "PYTHONDONTWRITEBYTECODE": "1"}
 
 

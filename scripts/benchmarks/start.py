@@ -137,7 +137,7 @@ def _first_pixels() -> dict | None:
     """Seconds until the first pixels in a window, each in a new installation; None if there is no Blender with one, or
     no zip with kernels for its Python."""
     command = host.windowed_blender()
-    if command is None or shipped_kernels.interpreter(host.python_of(command)) is None:
+    if command is None or shipped_kernels.compiler(host.python_of(command)) is None:
         return None
     with tempfile.TemporaryDirectory(dir=work_folder()) as name:
         path = _zip(pathlib.Path(name), host.python_of(command), kernels=True)

@@ -17,13 +17,14 @@ from .stage import expression, pattern, preset, recipe, shine
 
 @recipe("Paper lanterns", samples=12, gallery=True)
 def paper_lanterns(scene) -> None:
-    """Lanterns above a pond by night.
+    """Paper lanterns hang above a pond at night.
 
-    1. Choose Add > Light > SDF Lamp > Presets > **Ribbed Lantern**. Its slider *Ribs* has the number of ribs. Scale
-       it by 0.7.
+    1. Choose Add > Light > SDF Lamp > Presets > **Ribbed Lantern**. Scale it by 0.7. The slider *Ribs* sets the
+       number of ribs.
     2. Set *Temperature* to 2000 K, *Power* to 30 W, and *Camera Brightness* to 0.16.
-    3. Press Alt D for linked copies: a change of one changes all of them. Scale them by 0.8 to 1.
-    4. Model a floor with *Roughness* 0.02 and a *Bump* node: the water.
+    3. Press Alt D for each other lantern. The copies are linked: if you change one, all change. Scale them by 0.8
+       to 1.
+    4. Model the water: a plane with a *Roughness* of 0.02 and a *Bump* node.
     """
     world((0.006, 0.012, 0.035))
     water = surfaces.water("Water", (0.005, 0.012, 0.016), 0.02, 3.5, 0.03, 0.5)
@@ -52,12 +53,13 @@ def paper_lanterns(scene) -> None:
 
 @recipe("Campfire", samples=12)
 def campfire(scene) -> None:
-    """A fire between stones, with the flame's own colours.
+    """A fire burns between stones. Its pattern gives it the colours of a flame.
 
     1. Choose Add > Light > SDF Lamp > Presets > **Campfire**. Put it on the logs.
-    2. In Pattern, *Bottom* and *Top* are temperatures in kelvins. Set *Bottom* to 2200.
+    2. In the panel Pattern, *Bottom* and *Top* are temperatures. Set *Bottom* to 2200 K.
     3. Set *Power* to 130 W, and *Camera Brightness* to 0.035.
-    4. Hold the mouse over *Rise*, and press I at two frames with different values: the flames go up.
+    4. To make the flames rise, animate *Rise*. Hold the mouse over it, and press I at two frames with different
+       values.
     5. Set the colour of the world to a dark blue.
     """
     world((0.014, 0.024, 0.06))
@@ -96,16 +98,16 @@ def campfire(scene) -> None:
 
 @recipe("Glass bulb with a filament", samples=4, gallery=True)
 def glass_bulb(scene) -> None:
-    """Bulbs with coils that glow.
+    """Glass bulbs have glowing coils inside.
 
-    1. Model a bulb: half of its outline, and a **Screw** modifier.
-    2. Give it thin glass: a **Mix Shader** of **Transparent BSDF** and **Glossy BSDF**, with a **Fresnel** node as
-       its factor. Light goes straight through, without noise.
+    1. Model a bulb: draw half of its outline, and add a **Screw** modifier.
+    2. Make a material for thin glass: a **Mix Shader** of **Transparent BSDF** and **Glossy BSDF**, with a
+       **Fresnel** node as its factor. Light passes through it in a straight line, so the picture has little noise.
     3. Choose Add > Light > SDF Lamp > Presets > **Filament**. Set *Radius* to 0.11 m, *Pitch* to 0.07 m, *Turns* to
        6 and *Wire* to 0.009 m. Scale it by 0.15, and put it into the bulb.
-    4. Set *Temperature* to 2000 K, *Power* to 2.2 W, and *Camera Brightness* to 0.003: one sees the coil, not a
-       blot.
-    5. Choose Camera > Depth of Field, and set *F-Stop* to 4.
+    4. Set *Temperature* to 2000 K, *Power* to 2.2 W, and *Camera Brightness* to 0.003. With more brightness, the
+       coil would be a white spot.
+    5. In the properties of the camera, turn on *Depth of Field*, and set *F-Stop* to 4.
     """
     world((0.045, 0.045, 0.05))
     surfaces.floor(surfaces.wood("Board", (0.24, 0.14, 0.085), (0.1, 0.055, 0.035), 0.4), (3.0, 3.0))
@@ -159,14 +161,15 @@ exp(-depth / 0.025) * (0.1 + 1.5 * exp(-9 * web)) + 0.8 * clamp(depth / 0.3, 0, 
 
 @recipe("Lamp that pulses", samples=8, shape=EGG, pattern=VEINS)
 def pulsing_lamp(scene) -> None:
-    """Eggs that breathe. Their power and their shape are animated.
+    """Eggs become brighter and darker, as if they breathe. Their power and their shape are animated.
 
-    1. Choose Add > Light > SDF Lamp > **From an Expression**. Press *New* beside *Text*, and write the shape. `top`
-       becomes a slider.
-    2. Choose Pattern > **Expression**, and write the pattern: veins below the shell.
-    3. Set *Power* to 12 W at frame 1, 48 W at frame 20, and 12 W at frame 39. Press I over it each time.
-    4. Set *Top* to 0.18 m, 0.21 m and 0.18 m at the same frames, and press I.
-    5. Press Shift E in the Graph Editor, and choose **Make Cyclic**: it goes on for ever.
+    1. Choose Add > Light > SDF Lamp > **From an Expression**. Press *New* beside *Text*, and write the shape. The
+       name `top` becomes a slider.
+    2. Choose Pattern > **Expression**, and write the pattern. It makes veins below the shell.
+    3. Set *Power* to 12 W at frame 1, 48 W at frame 20, and 12 W at frame 39. At each of these frames, hold the
+       mouse over *Power* and press I.
+    4. Do the same with *Top*: 0.18 m, 0.21 m and 0.18 m.
+    5. Press Shift E in the Graph Editor, and choose **Make Cyclic**. The animation then repeats for ever.
     """
     world((0.006, 0.009, 0.014))
     surfaces.floor(surfaces.stone("Rock", (0.13, 0.12, 0.13), 1.3, 0.2), (20.0, 20.0))

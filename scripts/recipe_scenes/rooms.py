@@ -19,13 +19,13 @@ from .stage import expression, pattern, preset, primitive, recipe, shine
 
 @recipe("Ceiling cove", samples=12)
 def ceiling_cove(scene) -> None:
-    """A strip of light runs around the ceiling. One sees its light, and not the strip.
+    """A strip of light runs around the ceiling. A ledge hides the strip, and the ceiling shows its light.
 
     1. Model a ledge around the room, 26 cm below the ceiling and 20 cm wide, with an edge of 9 cm.
     2. Choose Add > Light > SDF Lamp > **From an Expression**, and write `onion(extrusion(rectangle(4.8, 5.8),
-       0.02), 0.01)`: a strip along a rectangle.
+       0.02), 0.01)`. This is a strip along a rectangle.
     3. Put it on the ledge. Set *Temperature* to 3600 K, and *Power* to 50 W.
-    4. Add the preset **Fluorescent Tube** above the painting, with 7 W.
+    4. Add the preset **Fluorescent Tube** above the painting, with a *Power* of 7 W.
     """
     world((0.0, 0.0, 0.0))
     white = principled("Paint", (0.72, 0.70, 0.66), 0.9)
@@ -107,13 +107,13 @@ def ceiling_cove(scene) -> None:
 
 @recipe("Strip under a cabinet", samples=12)
 def under_cabinet(scene) -> None:
-    """A strip lights a worktop and the tiles behind it.
+    """A strip of light shines on a worktop and on the tiles behind it.
 
     1. Choose Add > Light > SDF Lamp > Rounded > **Rounded Box**. Set *Half Size* to 1.5, 0.01 and 0.005 m, and
        *Radius* to 0.003 m.
     2. Put it under the cabinets, 27 cm from the wall.
     3. Set *Temperature* to 3200 K, *Power* to 30 W, and *Camera Brightness* to 0.2.
-    4. Give the tiles a *Roughness* of 0.12: they mirror the strip.
+    4. Give the tiles a *Roughness* of 0.12. They then reflect the strip.
     """
     world((0.012, 0.016, 0.025))
     tile = Graph("Tiles")
@@ -203,17 +203,17 @@ smoothstep(0.0, 0.25, random) + 0.03
 
 @recipe("City at night", samples=12, gallery=True, pattern=LIT)
 def city_at_night(scene) -> None:
-    """Each front of windows is one lamp.
+    """Houses at night have lit windows. One lamp makes all windows of one side of a house.
 
     1. Choose Add > Light > SDF Lamp > **From an Expression**, and write `repetition(box(0.55, 0.03, 0.75), (7, 1,
-       11), (1.8, 3, 3))`: 77 windows.
-    2. Choose Pattern > **Expression**, and write the pattern: a random number for each window.
+       11), (1.8, 3, 3))`. This makes 77 windows.
+    2. Choose Pattern > **Expression**, and write the pattern. It gives each window a random brightness.
     3. Set *Power* to 500 W, *Temperature* to 2600 K, and *Camera Brightness* to 0.25. Put the lamp on the front of
        a house.
-    4. Linked copies (Alt D) light more houses. Three more lamps have 2900 K, 3600 K and 5600 K, and other numbers
-       at the end of the second line.
-    5. Add the preset **Neon Heart**, scaled by 4, with 900 W, and fog: a **Volume Scatter** in the world, with
-       *Density* 0.004.
+    4. Press Alt D for linked copies on more houses. Add three more lamps, with 2900 K, 3600 K and 5600 K. Change
+       the last number of the second line of their patterns, so that other windows are lit.
+    5. Add the preset **Neon Heart**, scaled by 4, with a *Power* of 900 W. For the fog, add a **Volume Scatter** to
+       the world, with a *Density* of 0.004.
     """
     surfaces.fog(0.004, (0.7, 0.8, 1.0), (0.012, 0.02, 0.05))
     surfaces.floor(surfaces.wet("Street", (0.02, 0.02, 0.024), 0.12, (0.03, 0.3)), (140.0, 260.0), (0.0, 90.0, 0.0))

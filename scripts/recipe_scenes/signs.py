@@ -27,16 +27,16 @@ def _text(body: str, size: float, location, **settings) -> bpy.types.Object:
 
 @recipe("Neon in fog", samples=14, gallery=True)
 def neon_in_fog(scene) -> None:
-    """Neon in a wet street. The fog glows around it.
+    """Neon signs hang in a wet street. The fog glows around them.
 
-    1. Model a street: a floor, and two walls. Give the floor a *Roughness* of 0.03 where it is wet.
-    2. Choose Add > Light > SDF Lamp > Presets > **Neon Ring**. Put it before the left wall, and turn it to the
+    1. Model a street: a floor and two walls. Give the floor a *Roughness* of 0.03 where it is wet.
+    2. Choose Add > Light > SDF Lamp > Presets > **Neon Ring**. Put it in front of the left wall, and turn it to the
        camera. Set *Power* to 60 W and *Tint* to 0.03, 0.4, 1.
-    3. Choose Add > Light > SDF Lamp > **Neon Text**, and write `jazz`. Put it before the right wall. Set *Power* to
-       60 W, and choose Pattern > **Neon** with *Tint* 1, 0.05, 0.22.
+    3. Choose Add > Light > SDF Lamp > **Neon Text**, and write `jazz`. Put it in front of the right wall. Set
+       *Power* to 60 W, and choose Pattern > **Neon** with the *Tint* 1, 0.05, 0.22.
     4. Add the preset **Pearl** at the end of the street, with 260 W and 2400 K.
     5. Choose World Properties > Volume > **Volume Scatter**. Set *Density* to 0.05.
-    6. Set *Camera Brightness* of the neon to 0.05, so that its colour stays.
+    6. Set the *Camera Brightness* of the neon to 0.05, so that the camera sees its colour.
     """
     surfaces.fog(0.05, ambient=(0.006, 0.009, 0.018))
     surfaces.floor(surfaces.wet("Asphalt", scale=0.9, gloss=(0.03, 0.35)), (14.0, 40.0), (0.0, 12.0, 0.0))
@@ -75,14 +75,14 @@ def neon_in_fog(scene) -> None:
 
 @recipe("Neon text", samples=12)
 def neon_text(scene) -> None:
-    """A sign of two colours on a wall of bricks. The text stays a text.
+    """A sign of two colours hangs on a wall of bricks. You can still edit its text.
 
     1. Choose Add > Light > SDF Lamp > **Neon Text**. Press Tab, and write `open`.
-    2. Turn it upright (R X 90), and put it 8 cm before a wall.
+    2. Turn it upright (R X 90), and put it 8 cm in front of a wall.
     3. Set *Tube Radius* to 0.018 m, *Gap* to 0.04 m, *Power* to 45 W, and *Camera Brightness* to 0.06.
-    4. Choose Pattern > **Neon**: the middle of the tube is whiter. Set *Tint* to 1, 0.12, 0.05, and *Depth Of
-       Middle* to 0.015 m.
-    5. Add a second one, `all night`, with *Tube Radius* 0.011 m, *Power* 14 W and *Tint* 0.06, 0.4, 1.
+    4. Choose Pattern > **Neon**, which makes the middle of the tube whiter. Set *Tint* to 1, 0.12, 0.05, and *Depth
+       Of Middle* to 0.015 m.
+    5. Add a second text, `all night`, with *Tube Radius* 0.011 m, *Power* 14 W and *Tint* 0.06, 0.4, 1.
     """
     world((0.01, 0.012, 0.02))
     surfaces.wall(surfaces.brick("Brick", (0.2, 0.11, 0.085)), 0.0)
@@ -101,9 +101,9 @@ def neon_text(scene) -> None:
 def glowing_logo(scene) -> None:
     """A picture with transparency becomes a sign that lights the wall behind it.
 
-    1. Add any SDF lamp, and choose Shape > Source > **Image**. Open a picture with alpha.
+    1. Add any SDF lamp, and choose Shape > Source > **Image**. Open a picture with an alpha channel.
     2. Set *Width* to 1.25 m, *Thickness* to 0.05 m, and *Power* to 45 W.
-    3. Put it 7 cm before the wall, so that the wall glows around it.
+    3. Put it 7 cm in front of the wall, so that the wall glows around it.
     4. For a dark front, copy the lamp, and choose Object > Convert > **SDF Lamp to Mesh**. Move the mesh 5.5 cm to
        the front, make it half as thick, and give it a dark metal.
     """
@@ -143,13 +143,13 @@ def glowing_logo(scene) -> None:
 
 @recipe("Lamp along a curve", samples=16)
 def curve_lamp(scene) -> None:
-    """A ribbon of light winds above a dinner table.
+    """A curved tube of light hangs above a dinner table.
 
     1. Add a NURBS path, and draw a loop with it. Set its *Bevel Depth* to 0.02 m, and the *Radius* of its end
        points to 0.3.
-    2. Choose Object > Convert > **To SDF Lamp**. Edit the curve: the lamp follows.
+    2. Choose Object > Convert > **To SDF Lamp**. When you edit the curve, the lamp follows.
     3. Set *Temperature* to 3000 K, *Power* to 95 W, and *Camera Brightness* to 0.07.
-    4. Hang it up by two thin cylinders.
+    4. Hang it from two thin cylinders.
     """
     world((0.004, 0.006, 0.012))
     plaster = principled("Plaster", (0.24, 0.27, 0.28), 0.9)

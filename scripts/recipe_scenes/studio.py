@@ -28,12 +28,12 @@ def head(name: str, material, location, size: float = 0.5, turn: float = 0.0) ->
 
 @recipe("Softbox for a product", samples=48, gallery=True)
 def softbox(scene) -> None:
-    """A bottle between two soft panels. Their long reflections draw its shape.
+    """A bottle stands between two soft panels. Their long reflections show its shape.
 
     1. Choose Add > Light > SDF Lamp > Presets > **Soft Panel**. Set *Width* to 0.4 m and *Depth* to 1.2 m.
-    2. Put it to the left, and turn it to the bottle. Set *Power* to 60 W and *Temperature* to 5600 K.
+    2. Put it to the left of the bottle, and turn it to the bottle. Set *Power* to 60 W and *Temperature* to 5600 K.
     3. Press Alt D, and put the copy to the right. Turn *Visible to Camera* off.
-    4. Add the preset **Ring Light** behind the bottle, with 10 W and the *Color* 1, 0.45, 0.14.
+    4. Add the preset **Ring Light** behind the bottle, with a *Power* of 10 W and the *Color* 1, 0.45, 0.14.
     """
     world((0.01, 0.01, 0.012))
     surfaces.backdrop(principled("Backdrop", (0.06, 0.065, 0.075), 0.35), 1.4)
@@ -75,12 +75,12 @@ def softbox(scene) -> None:
 
 @recipe("Light linking", samples=48)
 def light_linking(scene) -> None:
-    """Each lamp lights one head. The ground gets the light of both.
+    """Each lamp lights one head. Both lamps light the ground.
 
     1. Add two heads, and the presets **Neon Ring** and **Fluorescent Tube** between them.
     2. Select a lamp. Choose Object Properties > Shading > Light Linking > **New**.
-    3. Drag one head, and the ground, from the Outliner into the list.
-    4. Do the same for the other lamp and head.
+    3. Drag one head and the ground from the Outliner into the list.
+    4. Do the same for the other lamp and the other head.
     """
     world((0.004, 0.004, 0.006))
     ground = surfaces.backdrop(principled("Backdrop", (0.22, 0.22, 0.24), 0.45), 1.5)
@@ -107,10 +107,10 @@ def beside_cycles(scene) -> None:
     """Cycles renders the scene, and this engine adds the light of the lamps.
 
     1. Keep the render engine **Cycles**, and add the presets **Filament** and **Light Cage**.
-    2. Select a lamp, and choose Data > SDF Lamp > **Add Lamps' Light to Cycles**. A second scene is made, and the
-       compositor adds it.
+    2. Select a lamp, and choose Data > SDF Lamp > **Add Lamps' Light to Cycles**. This makes a second scene, which
+       renders the light of the lamps. The compositor adds it to the picture of Cycles.
     3. Press F12.
-    4. After you add objects, press **Update Lamps' Light in Cycles**.
+    4. If you add objects later, press **Update Lamps' Light in Cycles**.
     """
     world((0.02, 0.03, 0.06))
     surfaces.floor(surfaces.wood("Floor", (0.34, 0.25, 0.18), (0.22, 0.15, 0.1)), (9.0, 9.0))

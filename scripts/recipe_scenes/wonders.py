@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is not there by day: a portal, a hologram, a statue of light, a fractal, ice, an aurora."""
+"""Fantasy, and the night sky: a portal, a hologram, a statue of light, a fractal, ice, an aurora."""
 
 from __future__ import annotations
 
@@ -26,14 +26,15 @@ ramp(r, 0, (0.9, 0.9, 1), 0.35, (0.25, 0.35, 1), 1, (0.45, 0.08, 0.9)) * (0.04 +
 
 @recipe("Portal", samples=8, gallery=True, pattern=WHIRL)
 def portal(scene) -> None:
-    """A whirl of light in an arch of stone.
+    """A spiral of light fills an arch of stone.
 
     1. Choose Add > Light > SDF Lamp > **From an Expression**, and write `rotate_x(lens(1.0, 0.16), 90)`.
-    2. Choose Pattern > **Expression**, and write the pattern. `spin` becomes a slider, which can be animated.
+    2. Choose Pattern > **Expression**, and write the pattern. The name `spin` becomes a slider, which you can
+       animate.
     3. Set *Power* to 110 W, and *Camera Brightness* to 0.22.
     4. Add a ring around it: SDF Lamp > Basic > **Torus**, *Major Radius* 1.03 m, *Minor Radius* 0.025 m. Set
        *Power* to 45 W, and *Color* to 0.5, 0.25, 1.
-    5. Build the arch of blocks, each turned by 14° to the one before.
+    5. Build the arch from blocks. Turn each block by 14° more than the one before.
     """
     surfaces.fog(0.02, ambient=(0.006, 0.008, 0.018))
     surfaces.floor(surfaces.wet("Flags", (0.04, 0.04, 0.045), 1.1, (0.05, 0.4)), (24.0, 24.0))
@@ -76,11 +77,10 @@ def portal(scene) -> None:
 
 @recipe("Hologram", samples=4)
 def hologram(scene) -> None:
-    """A head of light above a projector, with lines as a screen has them.
+    """A projector shows a head of light, with the lines of an old screen.
 
-    1. Add a monkey. Choose Object > Convert > **To SDF Lamp**: its inside glows.
-    2. Choose Pattern > **Expression**, and write `exp(-depth / 0.015) * (0.12 + smoothstep(0.0, 0.7, sin(150 *
-       p.z)))`: a thin skin, in lines.
+    1. Add a monkey. Choose Object > Convert > **To SDF Lamp**. The inside of the monkey now glows.
+    2. Choose Pattern > **Expression**, and write `exp(-depth / 0.015) * (0.12 + smoothstep(0.0, 0.7, sin(150 * p.z)))`. Only a thin skin glows then, in lines.
     3. Set *Color* to 0.06, 0.6, 1, *Power* to 40 W, and *Camera Brightness* to 0.22.
     4. Add SDF Lamp > Basic > **Frustum** as the beam, with 2.5 W and the pattern `(1 - height) ** 2 * (0.4 +
        exp(-depth / 0.03))`.
@@ -126,12 +126,13 @@ def hologram(scene) -> None:
 
 @recipe("Statue of light", samples=16)
 def statue_of_light(scene) -> None:
-    """A dancer whose inside glows, in a dark hall.
+    """A dancer of light stands in a dark hall.
 
-    1. Model a figure: a few edges with a **Skin** modifier, and a **Subdivision Surface** modifier. Or take any
-       closed mesh.
-    2. Choose Object > Convert > **To SDF Lamp**. The lamp has all modifiers, and follows armatures.
-    3. Choose Pattern > **Core**, *Size* 0.09 m, *Sharpness* 1.5: the middle is bright, and thin parts are dark.
+    1. Model a figure: a few edges with a **Skin** modifier and a **Subdivision Surface** modifier. Any other closed
+       mesh will do, too.
+    2. Choose Object > Convert > **To SDF Lamp**. The lamp has all modifiers of the mesh, and follows its armature.
+    3. Choose Pattern > **Core** with *Size* 0.09 m and *Sharpness* 1.5. The middle of the body is bright, and thin
+       parts are dark.
     4. Set *Temperature* to 3800 K, *Power* to 130 W, and *Camera Brightness* to 0.15.
     5. Give the floor a *Roughness* of 0.1.
     """
@@ -192,13 +193,14 @@ def statue_of_light(scene) -> None:
 
 @recipe("Fractal crystal", samples=16, gallery=True)
 def fractal_crystal(scene) -> None:
-    """Crystals that are fractals, in a cave.
+    """The crystals in this cave are fractals.
 
-    1. Choose Add > Light > SDF Lamp > Fractals > **Octahedron Flake**. Set *Levels* to 3, and stretch it: S Z 2.1.
-    2. Choose Pattern > **Expression**, and write `0.15 + (height ** 2)`: the tips are brightest.
+    1. Choose Add > Light > SDF Lamp > Fractals > **Octahedron Flake**. Set *Levels* to 3, and press S Z 2.1 to
+       stretch it.
+    2. Choose Pattern > **Expression**, and write `0.15 + (height ** 2)`. The tips are then brightest.
     3. Set *Color* to 0.08, 0.8, 1, *Power* to 55 W, and *Camera Brightness* to 0.12.
-    4. Add smaller copies (Shift D), and lean them outwards. Give them less power, and other colours.
-    5. Model the cave of stones around them, and fill the world with fog of *Density* 0.03.
+    4. Add smaller copies (Shift D), and tilt them outwards. Give them less power and other colours.
+    5. Put stones around them for the cave. Fill the world with fog of *Density* 0.03.
     """
     surfaces.fog(0.03, ambient=(0.003, 0.005, 0.008))
     rock = surfaces.stone("Rock", (0.16, 0.14, 0.15), 1.6, 0.14)
@@ -242,13 +244,13 @@ def fractal_crystal(scene) -> None:
 
 @recipe("Light in ice", samples=12)
 def light_in_ice(scene) -> None:
-    """Lamps that are frozen in blocks of ice.
+    """Lamps are frozen in blocks of ice.
 
-    1. Model a block with rounded edges. Give it a **Glass BSDF** with *IOR* 1.31, and a *Bump* from a Noise
+    1. Model a block with rounded edges. Give it a **Glass BSDF** with an *IOR* of 1.31, and a *Bump* from a Noise
        Texture.
     2. Put a lamp inside: the preset **Koch Snowflake**, half as large as the block.
     3. Set *Power* to 16 W, *Color* to 0.25, 0.6, 1, and *Camera Brightness* to 0.035.
-    4. Leave *Refractive Caustics* on: ice throws light onto the ground.
+    4. Leave *Refractive Caustics* on, so that light passes through the ice onto the ground.
     """
     world((0.012, 0.016, 0.026))
     snow = Graph("Snow")
@@ -304,14 +306,15 @@ ramp(height, 0, (0.1, 1, 0.35), 0.35, (0.1, 0.9, 0.5), 0.7, (0.35, 0.2, 0.9), 1,
 
 @recipe("Aurora", samples=8, gallery=True, shape=CURTAIN, pattern=RAYS)
 def aurora(scene) -> None:
-    """A curtain of light, a hundred and fifty metres wide, above mountains and a lake.
+    """A curtain of light hangs above mountains and a lake. It is 150 metres wide.
 
-    1. Choose Add > Light > SDF Lamp > **From an Expression**. Press *New* beside *Text*, and write the shape: a
-       thin sheet along a wave, cut to a box.
-    2. Choose Pattern > **Expression**, and write the pattern: green below, violet above, with rays that go up.
+    1. Choose Add > Light > SDF Lamp > **From an Expression**. Press *New* beside *Text*, and write the shape. It is
+       a thin sheet along a wave, inside a box.
+    2. Choose Pattern > **Expression**, and write the pattern. It is green below and violet above, with vertical
+       rays.
     3. Set *Power* to 60 kW, and *Camera Brightness* to 0.6.
-    4. Animate *Phase*: the curtain moves.
-    5. Model mountains, and a lake with *Roughness* 0.03.
+    4. Animate *Phase* to move the curtain.
+    5. Model mountains, and a lake with a *Roughness* of 0.03.
     """
     graph = world((0.004, 0.008, 0.022))
     background = next(node for node in graph.nodes if node.bl_idname == "ShaderNodeBackground")

@@ -4,8 +4,6 @@
 
 import contextlib
 import pathlib
-import re
-import subprocess
 import sys
 import types
 
@@ -17,6 +15,7 @@ bpy = pytest.importorskip("bpy")
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
 
 import build_extension  # noqa: E402  (found on the path set above)
+import host  # noqa: E402
 from scenery.compositing import empty_compositor  # noqa: E402
 
 from sdf_lights import blender  # noqa: E402
@@ -27,16 +26,8 @@ from sdf_lights.blender.naming import ENGINE  # noqa: E402
 @pytest.fixture(scope="session")
 def blender_zip(blender_command, tmp_path_factory) -> pathlib.Path:
     """The extension's zip for the Blender with a window."""
-    told = subprocess.run(
-        [*blender_command, "--background", "--python-expr", "import sys; print('Python', *sys.version_info[:2])"],
-        capture_output=True,
-        text=True,
-        timeout=120,
-    )
-    found = re.search(r"^Python (\d+) (\d+)$", told.stdout, re.MULTILINE)
-    assert found, told.stdout + told.stderr
     folder = tmp_path_factory.mktemp("blender_zip")
-    return build_extension.build(build_extension.this_platform(), f"{found[1]}.{found[2]}", folder)
+    return build_extension.build(build_extension.this_platform(), host.python_of(blender_command), folder)
 
 
 @pytest.fixture(scope="session")

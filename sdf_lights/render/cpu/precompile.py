@@ -121,7 +121,9 @@ def _special() -> tuple[list, Callable[[], None]]:
         output_code.compile_all(records)
         scene = _scene()
         packed = PackedScene(scene, Film(scene, ()))
-        LightPaths(scene, packed, [Workspace(packed)]).use(0)
+        light_paths = LightPaths.of(scene, packed, [Workspace(packed)])
+        assert light_paths is not None
+        light_paths.use(0)
 
     return kernels, run
 

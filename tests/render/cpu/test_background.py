@@ -160,6 +160,22 @@ def test_what_an_entry_calls_is_counted():
     assert jit.progress([])[1] == 0
 
 
+@pytest.mark.slow  # compiles what no other test has compiled
+@pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is missing")
+@pytest.mark.parametrize("group", precompile.GROUPS)
+def test_all_kernels_of_a_group_are_compiled(group):
+    done = subprocess.run(
+        [sys.executable, "-m", "sdf_lights.render.cpu.precompile", group],
+        cwd=REPOSITORY,
+        capture_output=True,
+        text=True,
+        timeout=600,
+    )
+    assert done.returncode == 0, done.stderr
+    *_, finished, last = done.stdout.splitlines()
+    assert finished == f"finished {group}" and len(set(last.split(" of "))) == 1
+
+
 @pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is missing")
 def test_the_process_ends_with_its_session(tmp_path):
     """Whose end it sees by that of its standard input."""
