@@ -13,7 +13,6 @@ import argparse
 import os
 import pathlib
 import shutil
-import subprocess
 import sys
 import tempfile
 
@@ -86,21 +85,19 @@ def write_strip(
 def first_minute(command: list[str], folder: pathlib.Path) -> None:
     """Install a zip in a Blender with empty user folders, and take the strip of its first minute."""
     session = REPOSITORY / "scripts" / "first_minute_session.py"
-    path = build_extension.build(build_extension.this_platform(), python_of(command), folder)
-    # The preferences show where the add-on and its kernels are: names that say nothing about a machine.
+    platform = build_extension.this_platform()
+    path = build_extension.build(platform, python_of(command), folder, with_kernels=True)
+    # The preferences show where the add-on is: a name that says nothing about a machine.
     shown = pathlib.Path(tempfile.gettempdir()) / "blender"
-    environment = {"BLENDER_USER_RESOURCES": str(shown), "SDF_LIGHTS_CACHE": str(shown / "kernels")}
     shown.mkdir()
+    kept = os.environ.pop("SDF_LIGHTS_CACHE", None)
     try:
-        # Kernels of this Blender's Python, as a zip from its own platform ships them.
-        arguments = ["--background", "--factory-startup", "--python-exit-code", "1", "--python", session, "--"]
-        subprocess.run([*command, *arguments, folder / "none", path], env=os.environ | environment, check=True)
-        for each in shown.iterdir():
-            if each.name != "kernels":
-                shutil.rmtree(each)
+        environment = {"BLENDER_USER_RESOURCES": str(shown)}
         report = seen_by(command, session, folder, str(path), str(folder), environment=environment, size=(1240, 800))
     finally:
         shutil.rmtree(shown)
+        if kept is not None:
+            os.environ["SDF_LIGHTS_CACHE"] = kept
     print({name: round(seconds, 1) for name, seconds in report["seconds"].items()})
     pictures = REPOSITORY / "docs" / "images"
     write_strip(folder, FIRST_MINUTE, pictures / "first_minute.jpg")

@@ -3,12 +3,10 @@
 """What artist_screenshots runs in a Blender whose user folders are empty: a zip is installed and used for the first
 time.
 
-    blender --background --python first_minute_session.py -- REPORT.json ZIP
     blender --enable-event-simulate --python first_minute_session.py -- REPORT.json ZIP FOLDER
 
-BLENDER_USER_RESOURCES names an empty folder, SDF_LIGHTS_CACHE one for kernels. Without a window the kernels of a
-picture are compiled, as a zip ships them. With one, pictures of the first minute are taken; the report has the seconds
-of each.
+BLENDER_USER_RESOURCES names an empty folder. Pictures of the first minute go into the folder; the report has the
+seconds of each.
 """
 
 import importlib
@@ -99,8 +97,4 @@ def steps():
     del report["began"]
 
 
-if bpy.app.background:
-    install()
-    part("render.cpu.precompile").main(["lamps", "paths"])
-else:
-    run(steps())
+run(steps())

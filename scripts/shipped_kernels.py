@@ -11,6 +11,7 @@ import contextlib
 import hashlib
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -19,6 +20,8 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import host
+
+from sdf_lights.render.cpu import background
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
 PROGRAM = "sdf_lights.render.cpu.precompile"
@@ -83,7 +86,7 @@ def compiled(
                 archive.extractall(libraries)
 
     def compile_group(group: str) -> None:
-        subprocess.run(
+        done = subprocess.run(
             compiler.run(sources, libraries, group),
             cwd=sources,
             env=_environment(folder / group),
@@ -91,6 +94,8 @@ def compiled(
             capture_output=True,
             text=True,
         )
+        host_hash = re.findall(r"^for (\w+)$", done.stdout, re.MULTILINE)[-1]
+        (folder / background.shipped_mark(group, host_hash)).touch()
 
     with ThreadPoolExecutor(min(len(groups), os.cpu_count() or 1)) as pool:
         list(pool.map(compile_group, groups))
@@ -123,3 +128,5 @@ def ship(folder: pathlib.Path, package: pathlib.Path) -> None:
         place = package / "compiled" / path.relative_to(folder)
         place.parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(path, place)
+    for path in folder.glob(background.shipped_mark("*", "*")):
+        shutil.copyfile(path, package / "compiled" / path.name)

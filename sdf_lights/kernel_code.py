@@ -126,6 +126,16 @@ def _source(path: str) -> tuple[bytes, frozenset[str]]:
     return hashlib.sha256(content).digest(), frozenset(found)
 
 
+def _interface() -> str:
+    """What all sources depend on: Numba, NumPy's interface, and the sampler (see ``render.kernels.samplers``)."""
+    return f"{compiler()[0]} {np.__version__.partition('.')[0]} {os.environ.get('SDF_LIGHTS_SAMPLER', '')}"
+
+
+def host_hash() -> str:
+    """Hash of all that kernels depend on beside their sources: Python, Numba, NumPy's interface, system, processor."""
+    return hashlib.sha256(repr((sys.version_info[:2], _interface(), target())).encode()).hexdigest()[:16]
+
+
 @functools.cache
 def source_hash(path: pathlib.Path) -> str:
     """Hash of a kernel source file, of all that it imports from the package, of Numba, and of NumPy's interface.
@@ -138,8 +148,7 @@ def source_hash(path: pathlib.Path) -> str:
     while pending:
         reached |= pending
         pending = set().union(*(_source(each)[1] for each in pending)) - reached
-    sampler = os.environ.get("SDF_LIGHTS_SAMPLER", "")  # the sampler of the kernels: see ``render.kernels.samplers``
-    digest = hashlib.sha256(f"{compiler()[0]} {np.__version__.partition('.')[0]} {sampler}".encode())
+    digest = hashlib.sha256(_interface().encode())
     for source in sorted(reached, key=lambda source: source.split(os.sep)):
         digest.update(_source(source)[0])
     return digest.hexdigest()[:16]

@@ -75,14 +75,15 @@ def portal(scene) -> None:
     camera((-1.0, -5.2, 1.15), (0.0, 0.0, 1.22), 42.0)
 
 
-@recipe("Hologram", samples=4)
+@recipe("Hologram", samples=64)
 def hologram(scene) -> None:
     """A projector shows a head of light, with the lines of an old screen.
 
     1. Add a monkey. Choose Object > Convert > **To SDF Lamp**. The inside of the monkey now glows.
-    2. Choose Pattern > **Expression**, and write `exp(-depth / 0.015) * (0.12 + smoothstep(0.0, 0.7, sin(150 * p.z)))`. Only a thin skin glows then, in lines.
-    3. Set *Color* to 0.06, 0.6, 1, *Power* to 40 W, and *Camera Brightness* to 0.22.
-    4. Add SDF Lamp > Basic > **Frustum** as the beam, with 2.5 W and the pattern `(1 - height) ** 2 * (0.4 +
+    2. Choose Pattern > **Expression**, and write `exp(-depth / 0.015) * (0.12 + smoothstep(0.0, 0.7, sin(200 * p.z)))`.
+       Only a thin skin glows then, in lines.
+    3. Set *Color* to 0.06, 0.6, 1, *Power* to 90 W, and *Camera Brightness* to 0.06.
+    4. Add SDF Lamp > Basic > **Frustum** as the beam, with 5 W and the pattern `(1 - height) ** 2 * (0.4 +
        exp(-depth / 0.03))`.
     5. Model the projector, and put a **Torus** of 12 W into it.
     """
@@ -110,21 +111,21 @@ def hologram(scene) -> None:
         (0.0, 0.74),
     ]
     add("Projector", turned("Projector", base, 96), steel)
-    bpy.ops.mesh.primitive_monkey_add(size=0.85, location=(0.0, 0.0, 1.5), rotation=(-0.05, 0.0, -0.35))
+    bpy.ops.mesh.primitive_monkey_add(size=0.85, location=(0.0, 0.0, 1.5), rotation=(-0.05, 0.0, 0.3))
     made = bpy.context.active_object
     made.modifiers.new("Smooth", "SUBSURF").render_levels = 2
     ghost = of_object(made)
-    pattern(ghost, "exp(-depth / 0.015) * (0.12 + smoothstep(0.0, 0.7, sin(150 * p.z)))")
-    shine(ghost, 40.0, (0.06, 0.6, 1.0), camera=0.22)
+    pattern(ghost, "exp(-depth / 0.015) * (0.12 + smoothstep(0.0, 0.7, sin(200 * p.z)))")
+    shine(ghost, 90.0, (0.06, 0.6, 1.0), camera=0.06)
     beam = primitive("frustum", (0.0, 0.0, 1.0), bottom_radius=0.3, top_radius=0.62, height=0.5)
     pattern(beam, "(1 - height) ** 2 * (0.4 + exp(-depth / 0.03))")
-    shine(beam, 2.5, (0.06, 0.5, 1.0), camera=0.4)
+    shine(beam, 5.0, (0.06, 0.5, 1.0), camera=0.3)
     ring = primitive("torus", (0.0, 0.0, 0.77), major_radius=0.36, minor_radius=0.02)
     shine(ring, 12.0, (0.2, 0.8, 1.0), camera=0.15)
-    camera((0.5, -3.6, 1.35), (0.0, 0.0, 1.22), 42.0)
+    camera((0.5, -3.1, 1.3), (0.0, 0.0, 1.2), 42.0)
 
 
-@recipe("Statue of light", samples=16)
+@recipe("Statue of light", samples=32)
 def statue_of_light(scene) -> None:
     """A dancer of light stands in a dark hall.
 
@@ -133,7 +134,7 @@ def statue_of_light(scene) -> None:
     2. Choose Object > Convert > **To SDF Lamp**. The lamp has all modifiers of the mesh, and follows its armature.
     3. Choose Pattern > **Core** with *Size* 0.09 m and *Sharpness* 1.5. The middle of the body is bright, and thin
        parts are dark.
-    4. Set *Temperature* to 3800 K, *Power* to 130 W, and *Camera Brightness* to 0.15.
+    4. Set *Temperature* to 3800 K, *Power* to 160 W, and *Camera Brightness* to 0.04.
     5. Give the floor a *Roughness* of 0.1.
     """
     world((0.004, 0.005, 0.008))
@@ -187,7 +188,7 @@ def statue_of_light(scene) -> None:
     bpy.context.view_layer.update()
     made = of_object(dancer)
     pattern(made, "core", size=0.09, sharpness=1.5)
-    shine(made, 130.0, kelvins=3800.0, camera=0.15)
+    shine(made, 160.0, kelvins=3800.0, camera=0.04)
     camera((0.9, -4.6, 1.15), (0.0, 0.4, 1.3), 42.0)
 
 
@@ -242,14 +243,14 @@ def fractal_crystal(scene) -> None:
     camera((0.25, -3.7, 1.0), (0.0, 0.0, 0.82), 40.0)
 
 
-@recipe("Light in ice", samples=12)
+@recipe("Light in ice", samples=64)
 def light_in_ice(scene) -> None:
     """Lamps are frozen in blocks of ice.
 
     1. Model a block with rounded edges. Give it a **Glass BSDF** with an *IOR* of 1.31, and a *Bump* from a Noise
        Texture.
     2. Put a lamp inside: the preset **Koch Snowflake**, half as large as the block.
-    3. Set *Power* to 16 W, *Color* to 0.25, 0.6, 1, and *Camera Brightness* to 0.035.
+    3. Set *Power* to 16 W, *Color* to 0.25, 0.6, 1, and *Camera Brightness* to 0.008.
     4. Leave *Refractive Caustics* on, so that light passes through the ice onto the ground.
     """
     world((0.012, 0.016, 0.026))
@@ -287,7 +288,7 @@ def light_in_ice(scene) -> None:
             rotation=(0, 0, turn),
         )
         made = preset(name, (x, y, 0.6 * size), (0, 0, turn), 0.5 * size)
-        shine(made, power, color, camera=0.035)
+        shine(made, power, color, camera=0.008)
     camera((0.1, -2.7, 1.05), (0.0, 0.05, 0.34), 40.0)
 
 

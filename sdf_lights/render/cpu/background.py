@@ -21,7 +21,7 @@ import threading
 import time
 from collections.abc import Callable
 
-from ... import kernel_cache
+from ... import kernel_cache, kernel_code
 from . import priority
 
 PACKAGE = pathlib.Path(__file__).resolve().parents[2]
@@ -130,6 +130,18 @@ def _mark(group: str) -> pathlib.Path:
     return kernel_cache.writable_folder() / f"{_READY}{group}-{_sources()}{kernel_cache.SUFFIX}"
 
 
+def shipped_mark(group: str, host_hash: str) -> str:
+    """Name of a file beside shipped kernels: all those of a group are there, for hosts with this hash."""
+    return f"{_READY}{group}-{host_hash}"
+
+
+def _is_shipped(group: str) -> bool:
+    """Whether the extension came with all kernels of a group, for this Python and processor."""
+    if not kernel_code.base_processor():
+        return False
+    return (kernel_cache.SHIPPED / shipped_mark(group, kernel_code.host_hash())).is_file()
+
+
 def _remember(group: str) -> None:
     """Record that all kernels of a group exist."""
     with contextlib.suppress(OSError):
@@ -140,7 +152,7 @@ def _remember(group: str) -> None:
 
 def needed(processes: tuple[tuple[str, ...], ...] = PROCESSES) -> bool:
     """Whether kernels still need to be compiled, as far as is known."""
-    return not all(_mark(group).is_file() for groups in processes for group in groups)
+    return not all(_mark(group).is_file() or _is_shipped(group) for groups in processes for group in groups)
 
 
 def start(low: bool = True, processes: tuple[tuple[str, ...], ...] = PROCESSES) -> None:

@@ -4,8 +4,9 @@
 
     python -m sdf_lights.render.cpu.precompile [--beside] [lamps|paths|special …]
 
-compiles into the cache folder and prints its progress, each time a line such as «312 of 527», and «finished lamps».
-Without a name: all groups. ``--beside``: ends when its standard input closes.
+compiles into the cache folder and prints its progress, each time a line such as «312 of 527», and «finished lamps». The
+last line is the ``host_hash`` that the kernels are for. Without a name: all groups. ``--beside``: ends when its
+standard input closes.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ... import jit
+from ... import jit, kernel_code
 from ...emitter.sampling import cut_tables
 from ...emitter.tree import interior, moments, slopes, volume
 from ...sdf.data import simplest
@@ -162,6 +163,7 @@ def main(words: list[str]) -> None:
     teller.join()
     total = jit.progress(kernels)[1]
     print(f"{total} of {total}", flush=True)
+    print(f"for {kernel_code.host_hash()}", flush=True)
 
 
 if __name__ == "__main__":
