@@ -96,7 +96,7 @@ def campfire(scene) -> None:
     camera((0.55, -3.3, 1.0), (0.0, 0.4, 0.6), 44.0)
 
 
-@recipe("Glass bulb with a filament", samples=4, gallery=True)
+@recipe("Glass bulb with a filament", samples=48, gallery=True)
 def glass_bulb(scene) -> None:
     """Glass bulbs have glowing coils inside.
 

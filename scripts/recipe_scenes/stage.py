@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import bpy
 import host
 
-SIZE, GALLERY_SIZE = (600, 400), (960, 640)
+SIZE, GALLERY_SIZE = (480, 320), (600, 400)
 LOOK = "AgX - Medium High Contrast"
 
 

@@ -192,7 +192,7 @@ def statue_of_light(scene) -> None:
     camera((0.9, -4.6, 1.15), (0.0, 0.4, 1.3), 42.0)
 
 
-@recipe("Fractal crystal", samples=16, gallery=True)
+@recipe("Fractal crystal", samples=48, gallery=True)
 def fractal_crystal(scene) -> None:
     """The crystals in this cave are fractals.
 
