@@ -243,14 +243,14 @@ def fractal_crystal(scene) -> None:
     camera((0.25, -3.7, 1.0), (0.0, 0.0, 0.82), 40.0)
 
 
-@recipe("Light in ice", samples=64)
+@recipe("Light in ice", samples=12)
 def light_in_ice(scene) -> None:
     """Lamps are frozen in blocks of ice.
 
     1. Model a block with rounded edges. Give it a **Glass BSDF** with an *IOR* of 1.31, and a *Bump* from a Noise
        Texture.
     2. Put a lamp inside: the preset **Koch Snowflake**, half as large as the block.
-    3. Set *Power* to 16 W, *Color* to 0.25, 0.6, 1, and *Camera Brightness* to 0.008.
+    3. Set *Power* to 16 W, and *Color* to 0.25, 0.6, 1.
     4. Leave *Refractive Caustics* on, so that light passes through the ice onto the ground.
     """
     world((0.012, 0.016, 0.026))
@@ -288,7 +288,7 @@ def light_in_ice(scene) -> None:
             rotation=(0, 0, turn),
         )
         made = preset(name, (x, y, 0.6 * size), (0, 0, turn), 0.5 * size)
-        shine(made, power, color, camera=0.008)
+        shine(made, power, color)
     camera((0.1, -2.7, 1.05), (0.0, 0.05, 0.34), 40.0)
 
 

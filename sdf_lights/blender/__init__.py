@@ -34,6 +34,7 @@ def _modules():
         nodes,
         object_lamps,
         operators,
+        overlay_settings,
         panels,
         passes,
         preferences,
@@ -51,6 +52,7 @@ def _modules():
     )
 
     return (
+        overlay_settings,
         preferences,
         compiling,
         properties,

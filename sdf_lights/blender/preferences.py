@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The add-on's preferences: the device of this computer, the available back end and its limits, compiled kernels, and
-the log."""
+"""The add-on's preferences: the device of this computer, the available back end and its limits, compiled kernels,
+the log, and the overlay of new files."""
 
 import functools
 import importlib.util
@@ -9,10 +9,11 @@ import sys
 import time
 
 import bpy
+from bpy.app.handlers import persistent
 
 from .. import kernel_cache
 from ..render.settings import Device, Settings
-from . import command_line, compiling
+from . import command_line, compiling, overlay_settings
 from .naming import ROOT
 
 _SECONDS = 2.0  # seconds before the size of the cache is measured again
@@ -136,6 +137,12 @@ class SDFLIGHTS_Preferences(bpy.types.AddonPreferences):
         max=1024,
     )
 
+    overlay: bpy.props.PointerProperty(
+        name="Overlay of New Files",
+        description="Settings of the viewport overlay of SDF lamps that new files begin with",
+        type=overlay_settings.SDFLIGHTS_OverlaySettings,
+    )
+
     def draw(self, context):
         draw_back_end(self.layout)
         self.layout.prop(self, "device")
@@ -143,8 +150,23 @@ class SDFLIGHTS_Preferences(bpy.types.AddonPreferences):
         compiling.draw(self.layout)
         draw_cache(self.layout)
         self.layout.prop(self, "log_level")
+        self.layout.label(text="Overlay of New Files:")
+        overlay_settings.draw(self.layout, self.overlay)
         self.layout.operator("sdf_lights.report_copy", icon="COPYDOWN")
         self.layout.operator("sdf_lights.asset_library_add", icon="ASSET_MANAGER")
+
+
+@persistent
+def _opened(*_) -> None:
+    """Give a new file the overlay of the preferences, except for what the start-up file has set."""
+    wanted = own()
+    if wanted is None or bpy.data.filepath:
+        return
+    for scene in bpy.data.scenes:
+        settings = scene.sdf_lights_overlay
+        for name in overlay_settings.DEFAULTS:
+            if wanted.overlay.is_property_set(name) and not settings.is_property_set(name):
+                setattr(settings, name, getattr(wanted.overlay, name))
 
 
 CLASSES = (SDFLIGHTS_OT_kernels_clear, SDFLIGHTS_Preferences)
@@ -154,3 +176,8 @@ def register():
     wanted = own()
     if wanted is not None and wanted.log_level != "WARNING":
         command_line.write_log(wanted.log_level.lower())
+    bpy.app.handlers.load_post.append(_opened)
+
+
+def unregister():
+    bpy.app.handlers.load_post.remove(_opened)

@@ -78,6 +78,21 @@ def test_this_computer_has_a_device_and_threads_of_its_own(preferred, file, want
     assert frame_settings(file.scene).device is Device.REFERENCE
 
 
+def test_a_new_file_has_the_overlay_of_the_preferences(preferred, file, tmp_path):
+    path = str(tmp_path / "old.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    preferred.overlay.brightness, preferred.overlay.resolution = "LIGHT", "2"
+
+    def overlay() -> tuple:
+        settings = bpy.context.scene.sdf_lights_overlay
+        return settings.show_lamps, settings.brightness, settings.resolution, settings.coarse_motion
+
+    bpy.ops.wm.read_homefile(use_empty=True)
+    assert overlay() == (True, "LIGHT", "2", True)
+    bpy.ops.wm.open_mainfile(filepath=path)  # a file keeps its own
+    assert overlay() == (True, "SHAPE", "1", True)
+
+
 def test_the_command_line_goes_before_preferences(preferred, file, monkeypatch):
     preferred.device, preferred.threads = "GPU", 2
     monkeypatch.setattr(sys, "argv", ["blender", "--", "--sdf-device", "cpu", "--sdf-threads", "5"])

@@ -21,7 +21,9 @@ PYTHON = "%d.%d" % sys.version_info[:2]
 sys.path.insert(0, str(REPOSITORY / "scripts"))
 
 import build_extension  # noqa: E402  (found on the path set above)
+import host  # noqa: E402
 
+USER = "extensions/.user/user_default/sdf_lights/"
 PRESENT = dict(engine=True, lamp=True, settings=True, enabled=True)
 ABSENT = dict(engine=False, lamp=False, settings=False, enabled=False)
 
@@ -90,8 +92,8 @@ def judge_wheels(seen: dict) -> None:
 
 def judge_kernels(seen: dict) -> None:
     # Compiled kernels are kept where the user may write, not beside the sources, which every update removes.
-    assert seen["files"]
-    assert all(name.startswith("extensions/.user/user_default/sdf_lights/") for name in seen["files"])
+    assert seen["compiles"] and seen["files"]
+    assert all(name.startswith(USER) for name in seen["files"])
 
 
 @pytest.fixture(scope="module")
@@ -126,12 +128,17 @@ def test_two_zips_of_the_same_sources_are_the_same_bytes(zip_folder, tmp_path):
 
 
 @pytest.mark.gui
-def test_zip_in_a_blender_with_a_window(blender_command, blender_zip, tmp_path):
+def test_zip_in_a_blender_with_a_window(blender_command, tmp_path):
+    """The zip has all kernels, whatever Python that Blender has."""
+    python = host.python_of(blender_command)
+    path = build_extension.build(build_extension.this_platform(), python, tmp_path, with_kernels=True)
     command = [*blender_command, "--python", str(SESSION), "--"]
-    seen, printed = run_session(command, blender_zip, tmp_path, compiles=False)
-    assert not seen["background"]
+    seen, printed = run_session(command, path, tmp_path)
+    assert not seen["background"] and not seen["compiles"]
     judge(seen, printed)
     judge_wheels(seen)
+    written = [name for name in seen["files"] if name.startswith(USER)]
+    assert [name for name in written if "/formulas/" not in name] == []  # of lamps of the scene
 
 
 def test_zip_holds_what_blender_needs_and_nothing_else(zip_folder):

@@ -8,6 +8,7 @@
 BLENDER_USER_RESOURCES names an empty folder. The report says what was seen at each step; judging it is the test's part.
 """
 
+import importlib
 import importlib.machinery
 import json
 import os
@@ -103,6 +104,7 @@ def session(older: str, zip_path: str) -> dict:
     bpy.context.preferences.addons[EXTENSION].preferences.threads = 3
     bpy.ops.extensions.package_install_files(filepath=zip_path, repo="user_default", enable_on_install=True)
     report["installed"] = state() | installed()
+    report["compiles"] = importlib.import_module(f"{EXTENSION}.sdf_lights.render.cpu.background").needed()
     report["threads"] = bpy.context.preferences.addons[EXTENSION].preferences.threads
     make_scene()
     report["picture"] = render()

@@ -5,58 +5,8 @@ pause of the Rendered viewport, with a button in its header."""
 
 import bpy
 
+from .. import overlay_settings
 from ..naming import ENGINE
-
-
-def redraw(self, context):
-    """Callback of the settings: redraw every 3D viewport."""
-    for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                area.tag_redraw()
-
-
-class SDFLIGHTS_OverlaySettings(bpy.types.PropertyGroup):
-    """Viewport overlay of SDF lamps."""
-
-    __slots__ = ()
-
-    show_lamps: bpy.props.BoolProperty(
-        name="SDF Lamps",
-        description="Show the glow of SDF lamps in the viewport, with any render engine",
-        default=True,
-        update=redraw,
-    )
-    brightness: bpy.props.EnumProperty(
-        name="Brightness",
-        description="Brightness of lamps in Solid and Wireframe shading",
-        default="SHAPE",
-        update=redraw,
-        items=[
-            ("SHAPE", "Shape", "A brightness that shows the shape clearly at any power", 0),
-            ("LIGHT", "Light", "The brightness of the render", 1),
-        ],
-    )
-    resolution: bpy.props.EnumProperty(
-        name="Resolution",
-        description="Resolution of lamps, as a fraction of that of the viewport",
-        default="1",
-        update=redraw,
-        items=[
-            ("1", "Full", "Every pixel", 1),
-            ("2", "Half", "Every second pixel, in both directions", 2),
-            ("4", "Quarter", "Every fourth pixel, in both directions", 4),
-        ],
-    )
-    coarse_motion: bpy.props.BoolProperty(
-        name="Coarser in Motion",
-        description="Draw lamps with a quarter of the pixels while the view or a lamp moves",
-        default=True,
-        update=redraw,
-    )
-    pause: bpy.props.BoolProperty(
-        name="Pause", description="Stop the render in the viewport for a while", default=False, update=redraw
-    )
 
 
 class SDFLIGHTS_PT_overlay(bpy.types.Panel):
@@ -67,13 +17,7 @@ class SDFLIGHTS_PT_overlay(bpy.types.Panel):
     bl_parent_id = "VIEW3D_PT_overlay"
 
     def draw(self, context):
-        settings, layout = context.scene.sdf_lights_overlay, self.layout
-        layout.prop(settings, "show_lamps")
-        column = layout.column()
-        column.active = settings.show_lamps
-        column.prop(settings, "brightness")
-        column.prop(settings, "resolution")
-        column.prop(settings, "coarse_motion")
+        overlay_settings.draw(self.layout, context.scene.sdf_lights_overlay)
 
 
 def draw_pause(self, context):
@@ -83,11 +27,12 @@ def draw_pause(self, context):
         self.layout.prop(settings, "pause", icon="PLAY" if settings.pause else "PAUSE", text="")
 
 
-CLASSES = (SDFLIGHTS_OverlaySettings, SDFLIGHTS_PT_overlay)
+CLASSES = (SDFLIGHTS_PT_overlay,)
 
 
 def register():
-    bpy.types.Scene.sdf_lights_overlay = bpy.props.PointerProperty(name="SDF Lamps", type=SDFLIGHTS_OverlaySettings)
+    kind = overlay_settings.SDFLIGHTS_OverlaySettings
+    bpy.types.Scene.sdf_lights_overlay = bpy.props.PointerProperty(name="SDF Lamps", type=kind)
     bpy.types.VIEW3D_HT_header.append(draw_pause)
 
 
