@@ -14,7 +14,7 @@ import zlib
 import bpy
 from bpy.app.handlers import persistent
 
-from ..render.settings import Settings
+from ..render.settings import Device, Filter, LampPaths, Settings
 from ..sdf.catalogue import grouped
 from ..sdf.shapes import SHAPES, Shape
 from . import cycles, objects, parameters
@@ -29,6 +29,20 @@ BLENDERS_OWN = {
 
 # Settings with separate values for the viewport, and their defaults there.
 VIEWPORT = {"samples": 1024, "noise_threshold": 0.1, "min_samples": 1, "time_limit": 0.0, "denoise": False}
+
+# Tooltips of the choices of settings that panels show.
+CHOICES = {
+    Device.AUTOMATIC: "The CPU. Without Numba, the slow NumPy reference",
+    Device.CPU: "The processor, with all its cores",
+    Device.REFERENCE: "The slow NumPy reference, which tests compare the others with",
+    Device.GPU: "The graphics card. Without a suitable one, the CPU",
+    LampPaths.AUTOMATIC: "Use them in final renders, if the first samples show that they reduce the noise",
+    LampPaths.ALWAYS: "Use them wherever the scene allows it",
+    LampPaths.NEVER: "Do not use them",
+    Filter.BOX: "All samples within the width count equally. Edges are sharp, and may look jagged",
+    Filter.GAUSSIAN: "Samples near the middle of the pixel count more. Edges are soft",
+    Filter.BLACKMAN_HARRIS: "Like Gaussian, with a narrower middle. The default of Cycles",
+}
 
 _ABBREVIATIONS = {"CPU", "GPU", "MIS", "BSDF"}
 
@@ -58,7 +72,7 @@ def _passes_changed(self, context):
 
 def _items(kind: type[enum.Enum]) -> list[tuple]:
     """Items of an EnumProperty. Files store the numbers, so members of the enumerations keep their order."""
-    return [(member.value, _label(member.name), "", number) for number, member in enumerate(kind)]
+    return [(member.value, _label(member.name), CHOICES.get(member, ""), number) for number, member in enumerate(kind)]
 
 
 def _label(name: str) -> str:

@@ -103,6 +103,8 @@ def test_every_setting_has_a_property_with_its_limits(file):
             continue
         prop = group.bl_rna.properties[field.name]
         assert prop.description == field.metadata["description"] and not prop.description.endswith(".")
+        if prop.type == "ENUM" and not field.metadata["developer"]:
+            assert all(item.description and not item.description.endswith(".") for item in prop.enum_items)
         if prop.type in {"INT", "FLOAT"}:
             assert prop.default == pytest.approx(field.default)
             if field.metadata["minimum"] is not None:
