@@ -125,7 +125,7 @@ def hologram(scene) -> None:
     camera((0.5, -3.1, 1.3), (0.0, 0.0, 1.2), 42.0)
 
 
-@recipe("Statue of light", samples=32)
+@recipe("Statue of light", samples=16)
 def statue_of_light(scene) -> None:
     """A dancer of light stands in a dark hall.
 
@@ -192,7 +192,7 @@ def statue_of_light(scene) -> None:
     camera((0.9, -4.6, 1.15), (0.0, 0.4, 1.3), 42.0)
 
 
-@recipe("Fractal crystal", samples=48, gallery=True)
+@recipe("Fractal crystal", samples=16, gallery=True)
 def fractal_crystal(scene) -> None:
     """The crystals in this cave are fractals.
 
