@@ -22,6 +22,7 @@ sys.path.insert(0, str(REPOSITORY / "scripts"))
 
 import build_extension  # noqa: E402  (found on the path set above)
 import host  # noqa: E402
+import shipped_kernels  # noqa: E402
 
 USER = "extensions/.user/user_default/sdf_lights/"
 PRESENT = dict(engine=True, lamp=True, settings=True, enabled=True)
@@ -125,6 +126,17 @@ def test_two_zips_of_the_same_sources_are_the_same_bytes(zip_folder, tmp_path):
         for folder in (zip_folder, tmp_path)
     )
     assert first.read_bytes() == second.read_bytes()
+
+
+@pytest.mark.slow  # compiles kernels twice
+def test_kernels_of_two_zips_are_the_same_bytes():
+    compiler = shipped_kernels.compiler(PYTHON)
+
+    def kernels() -> dict[pathlib.Path, bytes]:
+        folder = shipped_kernels.compiled(REPOSITORY, compiler, ("lamps",), keep=False)
+        return {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+    assert kernels() == kernels() != {}
 
 
 @pytest.mark.gui
