@@ -2,15 +2,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bounds of formulas and of their gradients in boxes, by an interpreter: eight boxes at a time, without compilation.
 
-``graph.lipschitz`` does the same for arrays of boxes, with more care for norms and rounding, and is the reference. It
-pays from some thousand boxes of one formula on, but a tree of a combination has as many lists of terms as boxes. Here
-the graph of a formula is a *tape* of instructions (``enclosure_tape``) on registers, which hold bounds of a value and
+``lipschitz`` does the same with NumPy, and more: norms, jumps, boxes split at folds, rounding of each operation. It is
+the reference. It costs some microseconds for each operation of each formula, and a tree of a combination has a list of
+terms of its own in almost every box. Both take the bounds of single operations from ``elementary_bounds``, and the
+derivatives of functions from ``OPERATIONS``.
+
+The graph of a formula is a *tape* of instructions (``interval_tape``) on registers, which hold bounds of a value and
 of its gradient in eight boxes: interval forward differentiation (Griewank and Walther, "Evaluating Derivatives"; Moore,
 Kearfott and Cloud, "Introduction to Interval Analysis"). Roots of sums of squares are treated as lengths, whose
 gradients have no pole.
 
-Bounds are exact except for rounding, which the caller must add (``ROUNDING``). They hold where the formula is
-continuous. Unknown bounds are infinite.
+Bounds are exact except for rounding, which the caller must add (``elementary_bounds.margin_of_rounding``). They hold
+where the formula is continuous. Unknown bounds are infinite.
 """
 
 from __future__ import annotations
@@ -19,10 +22,11 @@ import math
 
 import numpy as np
 
-from ...jit import call_numbers, kernel
-from .enclosure_tape import CALL_NUMBERS, CODES
-from .interval_kernels import (
-    HALF_TURN,
+from ..jit import call_numbers, kernel
+from .elementary_bounds import (
+    ROUNDING,
+    abs_bounds,
+    angle_bounds,
     passes,
     power_bounds,
     product_bounds,
@@ -32,6 +36,7 @@ from .interval_kernels import (
     unit_bounds,
     wave_bounds,
 )
+from .interval_tape import CALL_NUMBERS, CODES
 
 BOXES = 8  # bounded together
 SIZE = 8  # rows of a register: bounds of the value, and of each component of the gradient
@@ -64,6 +69,8 @@ SIZE = 8  # rows of a register: bounds of the value, and of each component of th
     _COPY,
     _LENGTH,
     _SCALE,
+    _CHAIN,
+    _DIVIDE_BY_POSITIVE,
     _BEGIN,
     _END,
     _SELECT_LESS,
@@ -97,6 +104,8 @@ SIZE = 8  # rows of a register: bounds of the value, and of each component of th
         "copy",
         "length",
         "scale",
+        "chain",
+        "divide_by_positive",
         "begin",
         "end",
         "select_less",
@@ -109,39 +118,53 @@ DEEPEST_LOOP = 16
 
 @kernel
 def _function(op, low, high):
-    """Bounds (low, high) of a function of one operand, and of its derivative (low, high)."""
+    """Bounds (low, high) of a function of one operand."""
     if op == _SIN:
-        value, slope = wave_bounds(low, high, 0.5 * HALF_TURN), wave_bounds(low, high, 0.0)
-    elif op == _COS:
-        value, slope = wave_bounds(low, high, 0.0), wave_bounds(low, high, -0.5 * HALF_TURN)
-    elif op == _TAN:
-        if not high - low < HALF_TURN or passes(low, high, 0.5 * HALF_TURN, HALF_TURN):
-            return -math.inf, math.inf, 1.0, math.inf
-        value = math.tan(low), math.tan(high)
-        square = square_bounds(value[0], value[1])
-        slope = 1.0 + square[0], 1.0 + square[1]
-    elif op == _ASIN or op == _ACOS:
+        return wave_bounds(math.sin(low), math.sin(high), low, high, 0.25, ROUNDING)
+    if op == _COS:
+        return wave_bounds(math.cos(low), math.cos(high), low, high, 0.0, ROUNDING)
+    if op == _TAN:
+        if passes(low, high, 0.25, 0.5, ROUNDING):
+            return -math.inf, math.inf
+        return math.tan(low), math.tan(high)
+    if op == _ASIN or op == _ACOS:
         a, b = min(max(low, -1.0), 1.0), min(max(high, -1.0), 1.0)
-        square = square_bounds(a, b)
-        slope = 1.0 / math.sqrt(1.0 - square[0]), 1.0 / math.sqrt(1.0 - square[1])
-        value = math.asin(a), math.asin(b)
-        if op == _ACOS:
-            value, slope = (math.acos(b), math.acos(a)), (-slope[1], -slope[0])
-    elif op == _ATAN:
-        square = square_bounds(low, high)
-        value, slope = (math.atan(low), math.atan(high)), (1.0 / (1.0 + square[1]), 1.0 / (1.0 + square[0]))
-    elif op == _EXP:
-        value = math.exp(low), math.exp(high)
-        slope = value
-    elif op == _LOG:
-        a, b = max(low, 0.0), max(high, 0.0)
-        value, slope = (math.log(a), math.log(b)), (1.0 / b, 1.0 / a)
-    elif op == _SQRT:
-        value = math.sqrt(max(low, 0.0)), math.sqrt(max(high, 0.0))
-        slope = 0.5 / value[1], 0.5 / value[0]
-    else:  # floor
-        value, slope = (math.floor(low), math.floor(high)), (0.0, 0.0)
-    return value[0], value[1], slope[0], slope[1]
+        if op == _ASIN:
+            return math.asin(a), math.asin(b)
+        return math.acos(b), math.acos(a)
+    if op == _ATAN:
+        return math.atan(low), math.atan(high)
+    if op == _EXP:
+        return math.exp(low), math.exp(high)
+    if op == _LOG:
+        return math.log(max(low, 0.0)), math.log(max(high, 0.0))
+    if op == _SQRT:
+        return math.sqrt(max(low, 0.0)), math.sqrt(max(high, 0.0))
+    return math.floor(low), math.floor(high)
+
+
+@kernel(forceinline=True)
+def _quotient(a_low, a_high, b_low, b_high):
+    """Bounds of a quotient; infinite if the divisor may be 0."""
+    if b_low <= 0.0 <= b_high:
+        return -math.inf, math.inf
+    return quotient_bounds(a_low, a_high, b_low, b_high)
+
+
+@kernel
+def _power(low, high, exponent):
+    """Bounds of a power with a known exponent; infinite if it may be undefined."""
+    if low < 0.0 and exponent != math.floor(exponent):
+        return -math.inf, math.inf
+    return power_bounds(low, high, exponent)
+
+
+@kernel(forceinline=True)
+def _unit(low, high, rest_low, rest_high):
+    """Bounds of a component of a unit vector."""
+    a, b = unit_bounds(low, high, rest_low, rest_high)
+    # At the origin they are NaN, which fails both tests.
+    return (a if a >= -1.0 else -1.0), (b if b <= 1.0 else 1.0)
 
 
 # Functions that take the registers for every box are inlined: passing an array costs an atomic reference count.
@@ -183,7 +206,7 @@ def _length(registers, out, box, a, b, c, count):
     for index in range(count):
         part = parts[index]
         square = square_bounds(registers[part, 0, box], registers[part, 1, box])
-        unit = unit_bounds(
+        unit = _unit(
             registers[part, 0, box], registers[part, 1, box], max(low - square[0], 0.0), max(high - square[1], 0.0)
         )
         for row in range(2, SIZE, 2):
@@ -202,18 +225,10 @@ def _angle(registers, out, box, y, x):
         registers[x, 0, box],
         registers[x, 1, box],
     )
-    if y_low <= 0.0 <= y_high and x_low <= 0.0:  # the cut, or the centre
-        registers[out, 0, box], registers[out, 1, box] = -HALF_TURN, HALF_TURN
-    else:
-        p, q, r, s = (
-            math.atan2(y_low, x_low),
-            math.atan2(y_low, x_high),
-            math.atan2(y_high, x_low),
-            math.atan2(y_high, x_high),
-        )
-        registers[out, 0, box], registers[out, 1, box] = min(min(p, q), min(r, s)), max(max(p, q), max(r, s))
+    cut = (x_low <= 0.0) & (y_low <= 0.0) & (y_high >= 0.0)  # or the centre
+    registers[out, 0, box], registers[out, 1, box] = angle_bounds(y_low, y_high, x_low, x_high, cut)
     xx, yy = square_bounds(x_low, x_high), square_bounds(y_low, y_high)
-    across, along = unit_bounds(x_low, x_high, yy[0], yy[1]), unit_bounds(y_low, y_high, xx[0], xx[1])
+    across, along = _unit(x_low, x_high, yy[0], yy[1]), _unit(y_low, y_high, xx[0], xx[1])
     near, far = 1.0 / math.sqrt(xx[0] + yy[0]), 1.0 / math.sqrt(xx[1] + yy[1])
     across, along = product_bounds(across[0], across[1], far, near), product_bounds(-along[1], -along[0], far, near)
     for row in range(2, SIZE, 2):
@@ -256,15 +271,15 @@ def _join(registers, op, out, box, a, b):
             q = product_bounds(registers[b, row, box], registers[b, row + 1, box], a_low, a_high)
             registers[out, row, box], registers[out, row + 1, box] = p[0] + q[0], p[1] + q[1]
     elif op == _DIVIDE:
-        low, high = quotient_bounds(a_low, a_high, b_low, b_high)
+        low, high = _quotient(a_low, a_high, b_low, b_high)
         for row in range(2, SIZE, 2):
             p = product_bounds(registers[b, row, box], registers[b, row + 1, box], low, high)
-            registers[out, row, box], registers[out, row + 1, box] = quotient_bounds(
+            registers[out, row, box], registers[out, row + 1, box] = _quotient(
                 registers[a, row, box] - p[1], registers[a, row + 1, box] - p[0], b_low, b_high
             )
     elif _is_number(registers, b, box):  # a power with a known exponent
-        low, high = power_bounds(a_low, a_high, b_low)
-        slope = power_bounds(a_low, a_high, b_low - 1.0)
+        low, high = _power(a_low, a_high, b_low)
+        slope = _power(a_low, a_high, b_low - 1.0)
         slope = product_bounds(slope[0], slope[1], b_low, b_low)
         _chain(registers, out, box, a, low, high, slope[0], slope[1])
     else:
@@ -275,7 +290,7 @@ def _join(registers, op, out, box, a, b):
             log_low, log_high = math.log(a_low), math.log(a_high)
             low, high = product_bounds(log_low, log_high, b_low, b_high)
             low, high = math.exp(low), math.exp(high)
-            slope_low, slope_high = quotient_bounds(b_low, b_high, a_low, a_high)
+            slope_low, slope_high = _quotient(b_low, b_high, a_low, a_high)
         for row in range(2, SIZE, 2):
             p = product_bounds(registers[a, row, box], registers[a, row + 1, box], slope_low, slope_high)
             q = product_bounds(registers[b, row, box], registers[b, row + 1, box], log_low, log_high)
@@ -367,17 +382,8 @@ def enclose(instructions, first, count, parameters, slot, registers, rounds):
         elif op == _ABS:
             for box in range(BOXES):
                 low, high = registers[a, 0, box], registers[a, 1, box]
-                least = 0.0 if low <= 0.0 <= high else min(abs(low), abs(high))
-                _chain(
-                    registers,
-                    out,
-                    box,
-                    a,
-                    least,
-                    max(abs(low), abs(high)),
-                    -1.0 if low < 0.0 else 1.0,
-                    1.0 if high > 0.0 else -1.0,
-                )
+                least, most = abs_bounds(low, high)
+                _chain(registers, out, box, a, least, most, -1.0 if low < 0.0 else 1.0, 1.0 if high > 0.0 else -1.0)
         elif op == _LENGTH:
             for box in range(BOXES):
                 _length(registers, out, box, a, b, c, row.d)
@@ -430,10 +436,22 @@ def enclose(instructions, first, count, parameters, slot, registers, rounds):
         elif op == _MULTIPLY or op == _DIVIDE or op == _MINIMUM or op == _MAXIMUM or op == _POWER:
             for box in range(BOXES):
                 _join(registers, op, out, box, a, b)
-        else:
+        elif op == _CHAIN:
             for box in range(BOXES):
-                low, high, slope_low, slope_high = _function(op, registers[a, 0, box], registers[a, 1, box])
-                _chain(registers, out, box, a, low, high, slope_low, slope_high)
+                low, high = registers[b, 0, box], registers[b, 1, box]
+                _chain(registers, out, box, a, low, high, registers[c, 0, box], registers[c, 1, box])
+        elif op == _DIVIDE_BY_POSITIVE:
+            registers[out, 2:] = 0.0
+            for box in range(BOXES):
+                registers[out, 0, box], registers[out, 1, box] = quotient_bounds(
+                    registers[a, 0, box], registers[a, 1, box], max(registers[b, 0, box], 0.0), registers[b, 1, box]
+                )
+        else:
+            registers[out, 2:] = 0.0
+            for box in range(BOXES):
+                registers[out, 0, box], registers[out, 1, box] = _function(
+                    op, registers[a, 0, box], registers[a, 1, box]
+                )
         if op != _BEGIN and op != _END:
             for line in range(0, SIZE, 2):
                 for box in range(BOXES):  # NaN is unknown

@@ -1,16 +1,17 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The tape of a formula: its graph as a list of instructions on registers, for ``enclosures.enclose``."""
+"""The tape of a formula: its graph as a list of instructions on registers, for ``interval_interpreter.enclose``."""
 
 from __future__ import annotations
 
+import functools
 from typing import NamedTuple
 
 import numpy as np
 
-from ...graph.formula import CALL, CONSTANT, ITERATE, PARAMETER, POINT, RESULT, STATE, Formula, apply, body, sqrt
-from ...graph.functions import TableFunction, compiled_part
-from ...graph.operations import CONDITIONS, OPERATIONS
+from .formula import CALL, CONSTANT, ITERATE, PARAMETER, POINT, RESULT, STATE, Formula, apply, body, sqrt
+from .functions import TableFunction, compiled_part
+from .operations import CONDITIONS, OPERATIONS
 
 CALL_NUMBERS = 32  # operands or results of a function of tables
 
@@ -21,6 +22,8 @@ NAMES = [
     "copy",
     "length",
     "scale",
+    "chain",  # the value of b, with the gradient of a times c
+    "divide_by_positive",  # values alone
     "begin",
     "end",
     "select_less",
@@ -49,6 +52,26 @@ class Tape(NamedTuple):
     instructions: np.ndarray  # INSTRUCTION
     registers: int
     result: int
+
+
+class _Values:
+    """The algebra of ``operations.Operation.derivative`` that writes instructions. Operands and results are registers,
+    whose gradients do not matter. Derivatives divide only by what is positive where they are defined."""
+
+    def __init__(self, writer: _Writer):
+        self.writer = writer
+
+    def __getattr__(self, kind: str):
+        return functools.partial(self.writer.emit, kind)
+
+    def number(self, value: float) -> int:
+        return self.writer.emit("constant", number=value)
+
+    def square(self, a: int) -> int:
+        return self.writer.emit("multiply", a, a)
+
+    def divide(self, a: int, b: int) -> int:
+        return self.writer.emit("divide_by_positive", a, b)
 
 
 class _Writer:
@@ -110,7 +133,11 @@ class _Writer:
         if node.kind == "multiply" and any(operand.kind in (CONSTANT, PARAMETER) for operand in node.operands):
             first = node.operands[0].kind in (CONSTANT, PARAMETER)
             return self.emit("scale", *(operands[::-1] if first else operands))
-        return self.emit(node.kind, *operands)
+        out = self.emit(node.kind, *operands)
+        derivative = OPERATIONS[node.kind].derivative
+        return (
+            out if derivative is None else self.emit("chain", *operands, out, derivative(_Values(self), out, *operands))
+        )
 
     def _call(self, node: Formula, operands: list[int]) -> int:
         """a: the first of the contiguous operands; b: their number; c: how many of them are addresses; number: the
