@@ -123,9 +123,11 @@ def wave_bounds(u, v, low, high, crest, doubt):
 def unit_bounds(low, high, rest_low, rest_high):
     """Bounds of u/√(u² + r) for u and r ≥ 0 within bounds: it grows with u, and moves towards 0 as r grows.
 
-    At the origin, where any number from −1 to 1 is possible, they are NaN."""
+    At the origin, where it is undefined, any number with the signs of u is possible."""
     a = low / hypotenuse(low, where(low < 0.0, rest_low, rest_high))
-    return a, high / hypotenuse(high, where(high > 0.0, rest_low, rest_high))
+    b = high / hypotenuse(high, where(high > 0.0, rest_low, rest_high))
+    a = where(a == a, a, where((low == 0.0) & (high > 0.0), 0.0, -1.0))
+    return a, where(b == b, b, where((low < 0.0) & (high == 0.0), 0.0, 1.0))
 
 
 @_for_both

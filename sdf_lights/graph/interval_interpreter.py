@@ -36,109 +36,38 @@ from .elementary_bounds import (
     unit_bounds,
     wave_bounds,
 )
-from .interval_tape import CALL_NUMBERS, CODES
+from .interval_tape import ALL, CALL_NUMBERS, CODE
 
 BOXES = 8  # bounded together
-SIZE = 8  # rows of a register: bounds of the value, and of each component of the gradient
-
-
-# Codes of the instructions, for the kernels.
-(
-    _NEGATE,
-    _ABS,
-    _SQRT,
-    _SIN,
-    _COS,
-    _TAN,
-    _ASIN,
-    _ACOS,
-    _ATAN,
-    _EXP,
-    _LOG,
-    _FLOOR,
-    _ADD,
-    _SUBTRACT,
-    _MULTIPLY,
-    _DIVIDE,
-    _POWER,
-    _ATAN2,
-    _MINIMUM,
-    _MAXIMUM,
-    _CONSTANT,
-    _PARAMETER,
-    _COPY,
-    _LENGTH,
-    _SCALE,
-    _CHAIN,
-    _DIVIDE_BY_POSITIVE,
-    _BEGIN,
-    _END,
-    _SELECT_LESS,
-    _SELECT_LESS_EQUAL,
-    _CALL,
-) = (
-    CODES[name]
-    for name in (
-        "negate",
-        "abs",
-        "sqrt",
-        "sin",
-        "cos",
-        "tan",
-        "asin",
-        "acos",
-        "atan",
-        "exp",
-        "log",
-        "floor",
-        "add",
-        "subtract",
-        "multiply",
-        "divide",
-        "power",
-        "atan2",
-        "minimum",
-        "maximum",
-        "constant",
-        "parameter",
-        "copy",
-        "length",
-        "scale",
-        "chain",
-        "divide_by_positive",
-        "begin",
-        "end",
-        "select_less",
-        "select_less_equal",
-        "call",
-    )
-)
+SIZE = ALL
 DEEPEST_LOOP = 16
 
 
 @kernel
 def _function(op, low, high):
     """Bounds (low, high) of a function of one operand."""
-    if op == _SIN:
+    if op == CODE.sin:
         return wave_bounds(math.sin(low), math.sin(high), low, high, 0.25, ROUNDING)
-    if op == _COS:
+    if op == CODE.cos:
         return wave_bounds(math.cos(low), math.cos(high), low, high, 0.0, ROUNDING)
-    if op == _TAN:
+    if op == CODE.tan:
         if passes(low, high, 0.25, 0.5, ROUNDING):
             return -math.inf, math.inf
         return math.tan(low), math.tan(high)
-    if op == _ASIN or op == _ACOS:
+    if op == CODE.asin or op == CODE.acos:
         a, b = min(max(low, -1.0), 1.0), min(max(high, -1.0), 1.0)
-        if op == _ASIN:
+        if op == CODE.asin:
             return math.asin(a), math.asin(b)
         return math.acos(b), math.acos(a)
-    if op == _ATAN:
+    if op == CODE.atan:
         return math.atan(low), math.atan(high)
-    if op == _EXP:
+    if op == CODE.exp:
         return math.exp(low), math.exp(high)
-    if op == _LOG:
+    if op == CODE.log:
         return math.log(max(low, 0.0)), math.log(max(high, 0.0))
-    if op == _SQRT:
+    if op == CODE.square:
+        return square_bounds(low, high)
+    if op == CODE.sqrt:
         return math.sqrt(max(low, 0.0)), math.sqrt(max(high, 0.0))
     return math.floor(low), math.floor(high)
 
@@ -163,8 +92,7 @@ def _power(low, high, exponent):
 def _unit(low, high, rest_low, rest_high):
     """Bounds of a component of a unit vector."""
     a, b = unit_bounds(low, high, rest_low, rest_high)
-    # At the origin they are NaN, which fails both tests.
-    return (a if a >= -1.0 else -1.0), (b if b <= 1.0 else 1.0)
+    return max(a, -1.0), min(b, 1.0)
 
 
 # Functions that take the registers for every box are inlined: passing an array costs an atomic reference count.
@@ -255,22 +183,22 @@ def _join(registers, op, out, box, a, b):
         registers[b, 0, box],
         registers[b, 1, box],
     )
-    if op == _MINIMUM or op == _MAXIMUM:
-        if op == _MINIMUM:
+    if op == CODE.minimum or op == CODE.maximum:
+        if op == CODE.minimum:
             low, high, first, second = min(a_low, b_low), min(a_high, b_high), a_low <= b_high, b_low <= a_high
         else:
             low, high, first, second = max(a_low, b_low), max(a_high, b_high), a_high >= b_low, b_high >= a_low
         _choose(registers, out, box, a, b, first or not second, second or not first)
-    elif op == _MULTIPLY and a == b:
+    elif op == CODE.multiply and a == b:
         low, high = square_bounds(a_low, a_high)
         _chain(registers, out, box, a, low, high, 2.0 * a_low, 2.0 * a_high)
-    elif op == _MULTIPLY:
+    elif op == CODE.multiply:
         low, high = product_bounds(a_low, a_high, b_low, b_high)
         for row in range(2, SIZE, 2):
             p = product_bounds(registers[a, row, box], registers[a, row + 1, box], b_low, b_high)
             q = product_bounds(registers[b, row, box], registers[b, row + 1, box], a_low, a_high)
             registers[out, row, box], registers[out, row + 1, box] = p[0] + q[0], p[1] + q[1]
-    elif op == _DIVIDE:
+    elif op == CODE.divide:
         low, high = _quotient(a_low, a_high, b_low, b_high)
         for row in range(2, SIZE, 2):
             p = product_bounds(registers[b, row, box], registers[b, row + 1, box], low, high)
@@ -354,45 +282,45 @@ def enclose(instructions, first, count, parameters, slot, registers, rounds):
         row = instructions[at]
         at += 1
         op, out, a, b, c = row.op, row.out, row.a, row.b, row.c
-        if op == _CONSTANT or op == _PARAMETER:
-            value = row.number if op == _CONSTANT else parameters[slot + int(row.number)]
+        if op == CODE.constant or op == CODE.parameter:
+            value = row.number if op == CODE.constant else parameters[slot + int(row.number)]
             for box in range(BOXES):
                 registers[out, 0, box], registers[out, 1, box] = value, value
-            registers[out, 2:] = 0.0
-        elif op == _COPY:
+            registers[out, 2 : row.rows] = 0.0
+        elif op == CODE.copy:
             registers[out] = registers[a]
-        elif op == _ADD:
-            for line in range(SIZE):
+        elif op == CODE.add:
+            for line in range(row.rows):
                 for box in range(BOXES):
                     registers[out, line, box] = registers[a, line, box] + registers[b, line, box]
-        elif op == _SUBTRACT:
-            for line in range(SIZE):
+        elif op == CODE.subtract:
+            for line in range(row.rows):
                 for box in range(BOXES):
                     registers[out, line, box] = registers[a, line, box] - registers[b, line ^ 1, box]
-        elif op == _NEGATE:
-            for line in range(SIZE):
+        elif op == CODE.negate:
+            for line in range(row.rows):
                 for box in range(BOXES):
                     registers[out, line, box] = -registers[a, line ^ 1, box]
-        elif op == _SCALE:
+        elif op == CODE.scale:
             number = registers[b, 0, 0]
             swap = 1 if number < 0.0 else 0
             for line in range(SIZE):
                 for box in range(BOXES):
                     registers[out, line, box] = times(registers[a, line ^ swap, box], number)
-        elif op == _ABS:
+        elif op == CODE.abs:
             for box in range(BOXES):
                 low, high = registers[a, 0, box], registers[a, 1, box]
                 least, most = abs_bounds(low, high)
                 _chain(registers, out, box, a, least, most, -1.0 if low < 0.0 else 1.0, 1.0 if high > 0.0 else -1.0)
-        elif op == _LENGTH:
+        elif op == CODE.length:
             for box in range(BOXES):
                 _length(registers, out, box, a, b, c, row.d)
-        elif op == _ATAN2:
+        elif op == CODE.atan2:
             for box in range(BOXES):
                 _angle(registers, out, box, a, b)
-        elif op == _SELECT_LESS or op == _SELECT_LESS_EQUAL:
+        elif op == CODE.select_less or op == CODE.select_less_equal:
             for box in range(BOXES):
-                certain, possible = _less(registers, a, b, box, op == _SELECT_LESS_EQUAL)
+                certain, possible = _less(registers, a, b, box, op == CODE.select_less_equal)
                 low, high = math.inf, -math.inf
                 if possible:
                     low, high = registers[c, 0, box], registers[c, 1, box]
@@ -400,7 +328,7 @@ def enclose(instructions, first, count, parameters, slot, registers, rounds):
                     low, high = min(low, registers[row.d, 0, box]), max(high, registers[row.d, 1, box])
                 _choose(registers, out, box, c, row.d, possible, not certain)
                 registers[out, 0, box], registers[out, 1, box] = low, high
-        elif op == _BEGIN:
+        elif op == CODE.begin:
             # ``rounds`` has the remaining iterations, and the position to jump back to.
             count_of_rounds = registers[a, 0, 0]
             left = int(min(max(count_of_rounds, 0.0), row.number)) if count_of_rounds == count_of_rounds else 0
@@ -410,7 +338,7 @@ def enclose(instructions, first, count, parameters, slot, registers, rounds):
             else:
                 rounds[depth, 0], rounds[depth, 1] = left, b
                 depth += 1
-        elif op == _END:
+        elif op == CODE.end:
             begin = instructions[first + out]
             going = False
             for box in range(BOXES):
@@ -431,29 +359,28 @@ def enclose(instructions, first, count, parameters, slot, registers, rounds):
                 at = first + out + 1
             else:
                 depth -= 1
-        elif op == _CALL:
+        elif op == CODE.call:
             _call(registers, row, numbers)
-        elif op == _MULTIPLY or op == _DIVIDE or op == _MINIMUM or op == _MAXIMUM or op == _POWER:
+        elif op == CODE.multiply or op == CODE.divide or op == CODE.minimum or op == CODE.maximum or op == CODE.power:
             for box in range(BOXES):
                 _join(registers, op, out, box, a, b)
-        elif op == _CHAIN:
+        elif op == CODE.chain:
             for box in range(BOXES):
                 low, high = registers[b, 0, box], registers[b, 1, box]
                 _chain(registers, out, box, a, low, high, registers[c, 0, box], registers[c, 1, box])
-        elif op == _DIVIDE_BY_POSITIVE:
-            registers[out, 2:] = 0.0
+        elif op == CODE.divide_by_positive:
             for box in range(BOXES):
                 registers[out, 0, box], registers[out, 1, box] = quotient_bounds(
                     registers[a, 0, box], registers[a, 1, box], max(registers[b, 0, box], 0.0), registers[b, 1, box]
                 )
         else:
-            registers[out, 2:] = 0.0
+            registers[out, 2 : row.rows] = 0.0  # of ``floor``; functions have ``chain`` for their gradients
             for box in range(BOXES):
                 registers[out, 0, box], registers[out, 1, box] = _function(
                     op, registers[a, 0, box], registers[a, 1, box]
                 )
-        if op != _BEGIN and op != _END:
-            for line in range(0, SIZE, 2):
+        if op != CODE.begin and op != CODE.end:
+            for line in range(0, row.rows, 2):
                 for box in range(BOXES):  # NaN is unknown
                     low, high = registers[out, line, box], registers[out, line + 1, box]
                     if not low <= high:

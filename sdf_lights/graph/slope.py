@@ -105,9 +105,9 @@ def unit_bounds(parts: list[Slope]) -> tuple[list[tuple[np.ndarray, np.ndarray]]
         rest = [other for j, other in enumerate(squares) if j != i]
         least, most = (sum(other[end] for other in rest) for end in (0, 1))
         low, high = (end * MARGIN for end in on_arrays.unit_bounds(*part.value[:2], least, most))
-        low = np.where(np.isfinite(low) & (low > 0.0), low / MARGIN**2, low)
-        high = np.where(np.isfinite(high) & (high < 0.0), high / MARGIN**2, high)
-        low, high = np.where(low >= -1.0, low, -1.0), np.where(high <= 1.0, high, 1.0)
+        low = np.where(low > 0.0, low / MARGIN**2, low)
+        high = np.where(high < 0.0, high / MARGIN**2, high)
+        low, high = np.maximum(low, -1.0), np.minimum(high, 1.0)
         units.append((low, high))
     return units, np.sqrt(sum(square.low for square in squares)) / MARGIN
 
