@@ -25,6 +25,7 @@ import numpy as np
 from ..jit import call_numbers, kernel
 from .elementary_bounds import (
     ROUNDING,
+    TURN,
     abs_bounds,
     angle_bounds,
     passes,
@@ -46,6 +47,8 @@ DEEPEST_LOOP = 16
 @kernel
 def _function(op, low, high):
     """Bounds (low, high) of a function of one operand."""
+    if (op == CODE.sin or op == CODE.cos) and not high - low < TURN:  # common, and saves two cosines
+        return -1.0, 1.0
     if op == CODE.sin:
         return wave_bounds(math.sin(low), math.sin(high), low, high, 0.25, ROUNDING)
     if op == CODE.cos:
@@ -88,13 +91,6 @@ def _power(low, high, exponent):
     return power_bounds(low, high, exponent)
 
 
-@kernel(forceinline=True)
-def _unit(low, high, rest_low, rest_high):
-    """Bounds of a component of a unit vector."""
-    a, b = unit_bounds(low, high, rest_low, rest_high)
-    return max(a, -1.0), min(b, 1.0)
-
-
 # Functions that take the registers for every box are inlined: passing an array costs an atomic reference count.
 
 
@@ -134,7 +130,7 @@ def _length(registers, out, box, a, b, c, count):
     for index in range(count):
         part = parts[index]
         square = square_bounds(registers[part, 0, box], registers[part, 1, box])
-        unit = _unit(
+        unit = unit_bounds(
             registers[part, 0, box], registers[part, 1, box], max(low - square[0], 0.0), max(high - square[1], 0.0)
         )
         for row in range(2, SIZE, 2):
@@ -154,9 +150,12 @@ def _angle(registers, out, box, y, x):
         registers[x, 1, box],
     )
     cut = (x_low <= 0.0) & (y_low <= 0.0) & (y_high >= 0.0)  # or the centre
-    registers[out, 0, box], registers[out, 1, box] = angle_bounds(y_low, y_high, x_low, x_high, cut)
+    if cut:  # saves four arctangents
+        registers[out, 0, box], registers[out, 1, box] = -math.pi, math.pi
+    else:
+        registers[out, 0, box], registers[out, 1, box] = angle_bounds(y_low, y_high, x_low, x_high, cut)
     xx, yy = square_bounds(x_low, x_high), square_bounds(y_low, y_high)
-    across, along = _unit(x_low, x_high, yy[0], yy[1]), _unit(y_low, y_high, xx[0], xx[1])
+    across, along = unit_bounds(x_low, x_high, yy[0], yy[1]), unit_bounds(y_low, y_high, xx[0], xx[1])
     near, far = 1.0 / math.sqrt(xx[0] + yy[0]), 1.0 / math.sqrt(xx[1] + yy[1])
     across, along = product_bounds(across[0], across[1], far, near), product_bounds(-along[1], -along[0], far, near)
     for row in range(2, SIZE, 2):
