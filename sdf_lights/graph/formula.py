@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Formulas: hash-consed expression graphs over variables, parameters and constants.
 
-This module has what other modules need to make and read them: the nodes of ``nodes``, functions, and vectors of three
-formulas.
+This module has what other modules need to make and read them: the nodes of ``formula_nodes``, functions, and vectors of
+three formulas.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
-from .nodes import (
+from .formula_nodes import (
     CALL,
     CONSTANT,
     ITERATE,

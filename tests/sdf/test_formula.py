@@ -8,7 +8,7 @@ import threading
 import numpy as np
 import pytest
 
-from sdf_lights.graph import codegen_native, formula_text, nodes, numpy_evaluation
+from sdf_lights.graph import codegen_native, formula_nodes, formula_text, numpy_evaluation
 from sdf_lights.graph import formula as f
 from sdf_lights.graph.operations import CONDITIONS, OPERATIONS
 from sdf_lights.sdf.shapes import Cone, Torus
@@ -45,12 +45,12 @@ def test_threads_agree_on_one_object():
 
 def test_unused_formulas_are_forgotten():
     gc.collect()
-    before = len(nodes._known)
+    before = len(formula_nodes._known)
     formula = f.sin(x * 123.456) + f.cos(y * 654.321)
-    assert len(nodes._known) > before
+    assert len(formula_nodes._known) > before
     del formula
     gc.collect()
-    assert len(nodes._known) == before
+    assert len(formula_nodes._known) == before
 
 
 @pytest.mark.parametrize(
@@ -122,7 +122,7 @@ def test_random_formulas_keep_their_values_when_simplified():
     """Each is also computed operation by operation, on operands that are often equal, opposite or special constants."""
     rng = np.random.default_rng(4)
     at = rng.integers(-3, 4, (50, 3)) + rng.choice([0.0, 0.25], (50, 3))
-    kinds = [kind for kind in nodes._RULES if kind != "select"]
+    kinds = [kind for kind in formula_nodes._RULES if kind != "select"]
     tried = 0
     for _ in range(3000):
         parts = [(p, at[:, i]) for i, p in enumerate(f.POINT)]
