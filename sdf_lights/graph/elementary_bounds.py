@@ -126,8 +126,9 @@ def unit_bounds(low, high, rest_low, rest_high):
     At the origin, where it is undefined, any number with the signs of u is possible."""
     a = low / hypotenuse(low, where(low < 0.0, rest_low, rest_high))
     b = high / hypotenuse(high, where(high > 0.0, rest_low, rest_high))
-    a = where(a >= -1.0, a, where((low == 0.0) & (high > 0.0), 0.0, -1.0))  # NaN fails both tests
-    return a, where(b <= 1.0, b, where((low < 0.0) & (high == 0.0), 0.0, 1.0))
+    # Squares may underflow to 0. NaN fails both tests.
+    a = where(a >= -1.0, min(a, 1.0), where((low == 0.0) & (high > 0.0), 0.0, -1.0))
+    return a, where(b <= 1.0, max(b, -1.0), where((low < 0.0) & (high == 0.0), 0.0, 1.0))
 
 
 @_for_both
