@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .elementary_bounds import on_arrays, over_arrays, product_bounds
+from . import elementary_bounds
 
 
 class Precision(NamedTuple):
@@ -172,7 +172,7 @@ class Arithmetic:
         """Bounds of |a|, without rounding."""
         if a.positive:
             return a
-        return Interval(*on_arrays.abs_bounds(a.low, a.high), a.undefined, True, a.whole)
+        return Interval(*elementary_bounds.abs_bounds(a.low, a.high), a.undefined, True, a.whole)
 
     def floor(self, a: Interval) -> Interval:
         """Bounds of ⌊a⌋, without rounding; whole numbers."""
@@ -264,7 +264,7 @@ class Arithmetic:
         elif positive:
             low, high = a.low * b.low, a.high * b.high
         else:
-            low, high = on_arrays.product_bounds(a.low, a.high, b.low, b.high)
+            low, high = elementary_bounds.product_bounds(a.low, a.high, b.low, b.high)
         whole = self._whole(low, high, a, b, positive)
         if whole:
             return whole
@@ -294,7 +294,7 @@ class Arithmetic:
 
     def square(self, a: Interval) -> Interval:
         """Bounds of a², rounded outwards: tighter than those of a · a."""
-        low, high = on_arrays.square_bounds(a.low, a.high)
+        low, high = elementary_bounds.square_bounds(a.low, a.high)
         exact = self._exact(lambda u, v: u * v, a, a) or self._whole(low, high, a, a, True)
         return exact or self._rounded(low, high, self.precision.basic, a.undefined, True)
 
@@ -308,7 +308,7 @@ class Arithmetic:
             low, high = (a.low, a.high) if b.low > 0.0 else (a.high, a.low)
             low, high = low / b.low, high / b.low
         else:
-            low, high = on_arrays.quotient_bounds(a.low, a.high, b.low, b.high)
+            low, high = elementary_bounds.quotient_bounds(a.low, a.high, b.low, b.high)
             zero = _where_any(_holds_zero(b))
             if zero is not None:
                 endless = zero & ~(b.positive & (low <= high))  # not if the divisor is +0 or greater, and not 0/0 alone
@@ -380,7 +380,7 @@ class Arithmetic:
         """Sine or cosine, by the number of turns at its first crest."""
         endless = ~(np.isfinite(a.low) & np.isfinite(a.high))
         u, v = function(np.where(endless, 0.0, a.low)), function(np.where(endless, 0.0, a.high))
-        low, high = on_arrays.wave_bounds(u, v, a.low, a.high, crest, self._doubt(a))
+        low, high = elementary_bounds.wave_bounds(u, v, a.low, a.high, crest, self._doubt(a))
         error = self.precision.sine * np.maximum(1.0, np.where(endless, 1.0, a.magnitude))
         found = self._rounded(
             low - error, high + error, self.precision.library, _either(a.undefined, _where_any(endless))
@@ -397,7 +397,7 @@ class Arithmetic:
     def tan(self, a: Interval) -> Interval:
         """Bounds of tan(a); infinite if ``a`` may contain a pole."""
         endless = ~(np.isfinite(a.low) & np.isfinite(a.high))
-        pole = on_arrays.passes(a.low, a.high, 0.25, 0.5, self._doubt(a))
+        pole = elementary_bounds.passes(a.low, a.high, 0.25, 0.5, self._doubt(a))
         low, high = np.tan(np.where(pole, 0.0, a.low)), np.tan(np.where(pole, 0.0, a.high))
         error = self.precision.sine * np.maximum(1.0, np.where(pole, 0.0, a.magnitude))
         error = error * (1.0 + np.maximum(low * low, high * high))
@@ -416,7 +416,7 @@ class Arithmetic:
             # two zeros.
             above = y.low >= 0.0 if y.positive else np.False_
             cut = (x.low <= 0.0) & _holds_zero(y) & ~above
-        low, high = on_arrays.angle_bounds(*y[:2], *x[:2], cut)
+        low, high = elementary_bounds.angle_bounds(*y[:2], *x[:2], cut)
         return self._rounded(low, high, self.precision.library, _either(x.undefined, y.undefined), y.positive)
 
     def power(self, a: Interval, b: Interval) -> Interval:
@@ -442,19 +442,18 @@ class Arithmetic:
         return self._rounded(low, high, relative, undefined, positive)
 
     def _whole_power(self, a: Interval, exponent: float, undefined) -> Interval:
-        low, high = on_arrays.power_bounds(a.low, a.high, exponent)
+        low, high = elementary_bounds.power_bounds(a.low, a.high, exponent)
         if exponent < 0.0:
             undefined = _either(undefined, _where_any(_holds_zero(a)))
         positive = a.positive or exponent % 2.0 == 0.0
         return self._rounded(low, high, self._exponential_error(low, high, abs(exponent)), undefined, positive)
 
 
-def _times(a, b):
-    product = a * b
-    return np.where(np.isnan(product), 0.0, product)
-
-
-_product_with_infinity = over_arrays(product_bounds, times=_times)
+def _product_with_infinity(*ends) -> tuple[np.ndarray, np.ndarray]:
+    """As ``elementary_bounds.product_bounds``, where 0 · ∞ is 0."""
+    a_low, a_high, b_low, b_high = np.broadcast_arrays(*ends)
+    corners = [a_low * b_low, a_low * b_high, a_high * b_low, a_high * b_high]
+    return _extremes(np.minimum, np.maximum, [np.where(np.isnan(corner), 0.0, corner) for corner in corners])
 
 
 def _extremes(least, greatest, values) -> tuple[np.ndarray, np.ndarray]:

@@ -12,7 +12,7 @@ of its gradient in eight boxes: interval forward differentiation (Griewank and W
 Kearfott and Cloud, "Introduction to Interval Analysis"). Roots of sums of squares are treated as lengths, whose
 gradients have no pole.
 
-Bounds are exact except for rounding, which the caller must add (``elementary_bounds.margin_of_rounding``). They hold
+Bounds are exact except for rounding, which the caller must add (``interval_kernels.margin_of_rounding``). They hold
 where the formula is continuous. Unknown bounds are infinite.
 """
 
@@ -23,9 +23,9 @@ import math
 import numpy as np
 
 from ..jit import call_numbers, kernel
-from .elementary_bounds import (
+from .elementary_bounds import TURN
+from .interval_kernels import (
     ROUNDING,
-    TURN,
     abs_bounds,
     angle_bounds,
     passes,

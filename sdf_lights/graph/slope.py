@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .elementary_bounds import on_arrays
+from . import elementary_bounds
 from .formula import Formula
 from .interval_arithmetic import DOUBLE, Arithmetic, Condition, Interval
 
@@ -104,7 +104,7 @@ def unit_bounds(parts: list[Slope]) -> tuple[list[tuple[np.ndarray, np.ndarray]]
     for i, (part, square) in enumerate(zip(parts, squares)):
         rest = [other for j, other in enumerate(squares) if j != i]
         least, most = (sum(other[end] for other in rest) for end in (0, 1))
-        low, high = (end * MARGIN for end in on_arrays.unit_bounds(*part.value[:2], least, most))
+        low, high = (end * MARGIN for end in elementary_bounds.unit_bounds(*part.value[:2], least, most))
         low = np.where(low > 0.0, low / MARGIN**2, low)
         high = np.where(high < 0.0, high / MARGIN**2, high)
         low, high = np.maximum(low, -1.0), np.minimum(high, 1.0)

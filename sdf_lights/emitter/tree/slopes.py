@@ -22,8 +22,8 @@ import math
 
 import numpy as np
 
-from ...graph.elementary_bounds import ROUNDING, margin_of_rounding, product_bounds
 from ...graph.interval_interpreter import BOXES, DEEPEST_LOOP, SIZE, enclose
+from ...graph.interval_kernels import ROUNDING, margin_of_rounding, product_bounds
 from ...graph.interval_tape import Tape, tape, with_zero_bounds
 from ...graph.lipschitz import discontinuous, may_be_discontinuous
 from ...jit import kernel

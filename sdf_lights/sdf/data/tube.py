@@ -16,9 +16,9 @@ from functools import cached_property
 
 import numpy as np
 
-from ...graph.elementary_bounds import square_bounds, unit_bounds
 from ...graph.formula import Formula, Vector, call
 from ...graph.functions import Function, TableFunction
+from ...graph.interval_kernels import square_bounds, unit_bounds
 from ...graph.tables import Table, table
 from ...jit import doubles_at, kernel, stack_array
 from ..shapes.base import BOUND, LARGEST, SMALLEST, Shape, Slots
