@@ -164,7 +164,7 @@ class _WordNode(LampNode):
 
 
 SUBJECTS = {"text": "body", "path": "path", "object": "object", "image": "image"}
-"""Property of what a node of data names, by what that is."""
+"""The property of a data node that holds its data, for each kind of data."""
 
 
 class _DataNode(_WordNode):

@@ -119,7 +119,7 @@ def _grow_levels(field: CompiledField, nodes, boxes, levels, lists, known, used,
             grow_field(
                 terms,
                 field.parameters,
-                field.cares,
+                field.near_fields,
                 field.gains,
                 columns,
                 bounds,
