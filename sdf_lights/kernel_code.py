@@ -62,7 +62,7 @@ def base_processor() -> str:
 @functools.cache
 def compiler() -> tuple:
     """Numba and LLVM, as far as code depends on them."""
-    return tuple(map(_version, ("numba", "llvmlite")))
+    return tuple(map(version, ("numba", "llvmlite")))
 
 
 def origin(package: str) -> str:
@@ -74,8 +74,11 @@ def origin(package: str) -> str:
     return found.origin or "" if found is not None else ""
 
 
-def _version(package: str) -> str:
-    """The version of an installed package, without ``importlib.metadata``, which takes as long as NumPy to import."""
+def version(package: str) -> str:
+    """The version of an installed package; "" if there is none.
+
+    ``importlib.metadata`` takes as long as NumPy to import.
+    """
     if not origin(package):
         return ""
     root = pathlib.Path(origin(package)).parents[1]
