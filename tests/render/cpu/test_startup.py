@@ -36,12 +36,12 @@ def test_what_is_known_of_sources_is_what_they_contain(tmp_path):
         f"import sys; sys.path.insert(0, {str(tmp_path)!r}); from sdf_lights import kernel_code as known; "
         "paths = known._files(); found = {path: known._source(path) for path in paths}; "
         "assert found == {path: known._read(path) for path in paths}; "
-        "print(known.ROOT, known.source_hash(known.ROOT / 'vec.py'), known.source_hash(known.ROOT / 'affine.py'))"
+        "print(known.ROOT, known.source_hash(known.ROOT / 'vec.py'), known.source_hash(known.ROOT / 'render' / 'ies.py'))"
     )
     first = run(code, tmp_path / "cache").split()
     assert first[0] == str(tmp_path / "sdf_lights") and run(code, tmp_path / "cache").split() == first
-    changed = tmp_path / "sdf_lights" / "affine.py"
-    changed.write_text(changed.read_text(encoding="utf-8").replace("affine", "affinE"), encoding="utf-8")
+    changed = tmp_path / "sdf_lights" / "render" / "ies.py"
+    changed.write_text(changed.read_text(encoding="utf-8").replace("angle", "anglE"), encoding="utf-8")
     second = run(code, tmp_path / "cache").split()
     assert second[:2] == first[:2] and second[2] != first[2]
 
