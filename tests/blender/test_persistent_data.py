@@ -71,15 +71,18 @@ def build(file, add, quad, lamp, material, tmp_path):
         file.scene.world = sky = bpy.data.worlds.new("Sky")
         sky.use_nodes = True
         nodes, links = sky.node_tree.nodes, sky.node_tree.links
-        place, turn, picture_of_sky = (
-            nodes.new(f"ShaderNode{kind}") for kind in ("TexCoord", "Mapping", "TexEnvironment")
+        place, turn, picture_of_sky, gamma = (
+            nodes.new(f"ShaderNode{kind}") for kind in ("TexCoord", "Mapping", "TexEnvironment", "Gamma")
         )
+        gamma.inputs["Gamma"].default_value = 3.0  # with this, the world is a graph
+        turn.inputs["Rotation"].default_value = (0.2, 0.3, 0.4)
         picture_of_sky.image = texture.image
         links.new(place.outputs["Generated"], turn.inputs["Vector"])
         links.new(turn.outputs["Vector"], picture_of_sky.inputs["Vector"])
         background = next(node for node in nodes if node.type == "BACKGROUND")
-        background.inputs["Strength"].default_value = 0.2
-        links.new(picture_of_sky.outputs["Color"], background.inputs["Color"])
+        background.inputs["Strength"].default_value = 2.0
+        links.new(picture_of_sky.outputs["Color"], gamma.inputs["Color"])
+        links.new(gamma.outputs["Color"], background.inputs["Color"])
         file.scene.render.use_persistent_data = persistent
         file.scene.sdf_lights.device, file.scene.sdf_lights.samples = "CPU", 4
         return file.scene
@@ -109,7 +112,7 @@ def edit_image():
 
 def edit_world():
     turn = next(node for node in bpy.context.scene.world.node_tree.nodes if node.type == "MAPPING")
-    turn.inputs["Rotation"].default_value = (0.0, 0.0, 1.0)
+    turn.inputs["Rotation"].default_value = (1.2, 0.3, 0.4)
 
 
 def other_data():
