@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 
 import bpy
@@ -134,15 +135,46 @@ def add_point_light(watts: float = 100.0, location=(0.0, -0.5, 3.2)) -> None:
 
 
 def enable_cycles() -> None:
-    bpy.ops.preferences.addon_enable(module="cycles")
+    if "cycles" not in bpy.context.preferences.addons:  # again would reset its preferences
+        bpy.ops.preferences.addon_enable(module="cycles")
 
 
-def plain_cycles(scene, samples: int, bounces: int) -> None:
-    """Cycles on the CPU, without its defaults that trade error for bias: the same work for each sample."""
+CYCLES_ON_CARDS = ("OPTIX", "CUDA", "HIP", "ONEAPI", "METAL")
+
+
+@functools.cache
+def cycles_cards() -> tuple[str, ...]:
+    """Those back ends of Cycles for graphics cards that find one on this machine. Each may use all that it finds."""
     enable_cycles()
+    preferences = bpy.context.preferences.addons["cycles"].preferences
+    found = []
+    for kind in CYCLES_ON_CARDS:
+        try:
+            preferences.compute_device_type = kind
+        except TypeError:  # not in this build of Blender
+            continue
+        preferences.refresh_devices()
+        for device in preferences.devices:
+            device.use |= device.type == kind
+        if any(device.type == kind for device in preferences.devices):
+            found.append(kind)
+    return tuple(found)
+
+
+def plain_cycles(scene, samples: int, bounces: int, device: str = "CPU") -> None:
+    """Cycles without its defaults that trade error for bias: the same work for each sample. ``device`` is CPU, or one
+    of ``cycles_cards``."""
+    enable_cycles()
+    if device != "CPU":
+        bpy.context.preferences.addons["cycles"].preferences.compute_device_type = device
     scene.render.engine = "CYCLES"
     cycles = scene.cycles
-    cycles.device, cycles.samples, cycles.use_adaptive_sampling, cycles.use_denoising = "CPU", samples, False, False
+    cycles.device, cycles.samples, cycles.use_adaptive_sampling, cycles.use_denoising = (
+        "CPU" if device == "CPU" else "GPU",
+        samples,
+        False,
+        False,
+    )
     cycles.pixel_filter_type = "BOX"
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = cycles.blur_glossy = cycles.light_sampling_threshold = (
         0.0

@@ -4,9 +4,10 @@
 
 Boxes and a glossy sphere lit by one point light, with direct light only and with four bounces. The engines take turns.
 A rate is the additional samples of a long render over its additional time, compared with a short one, so that no
-engine's start-up counts; medians of all turns. With ``--device gpu`` the CPU takes turns, too. All three then render
-the lamp scenes, where GPU and CPU have the same settings: paths that do not split, the same number of samples in every
-pixel, lamps by cuts, the default of both, and in another turn by projection with MIS.
+engine's start-up counts; medians of all turns. With ``--device gpu`` the CPU takes turns, too, and so does Cycles on
+the graphics card, if there is one. All of them then render the lamp scenes, where GPU and CPU have the same settings:
+paths that do not split, the same number of samples in every pixel, lamps by cuts, the default of both, and in another
+turn by projection with MIS.
 """
 
 from __future__ import annotations
@@ -24,36 +25,49 @@ from .resume import Parts
 
 HELP = "samples a second against Cycles in the same process, and start-up"
 
-arguments = startup.arguments
+
+def arguments(parser) -> None:
+    startup.arguments(parser)
+    parser.add_argument("--size", type=int, help="pixels along a side (default: 256; lamp scenes 128)")
+    parser.add_argument("--only", help="lamp scenes, separated by commas (default: all)")
+
 
 ENGINES = ("SDF Lights", "Cycles")
 ON_CPU = "SDF Lights on the CPU"  # takes turns, too, if the device is the GPU
 BY_PROJECTION = "SDF Lights, by projection", "SDF Lights on the CPU, by projection"
+ON_CARD = "Cycles on the graphics card, "  # and its back end
+SECONDS = 0.5  # that additional samples take at least
 BOUNCES = (0, 4)
 LAMP_SCENES = (*lamp_scenes.THE_FIVE, "blob")  # the last has no closed form
 BRIEF = dict(repeats=1)
 
 
 def _engines(options) -> tuple[str, ...]:
-    return (*ENGINES, ON_CPU) if options.device == "GPU" else ENGINES
+    if options.device != "GPU":
+        return ENGINES
+    return (*ENGINES, ON_CPU, *(f"{ON_CARD}{kind}" for kind in simple_scenes.cycles_cards()))
 
 
 def _prepare(name: str, scene, samples: int, bounces: int, device: str) -> None:
-    if name == "Cycles":
-        simple_scenes.plain_cycles(scene, samples, bounces)
+    if name.startswith("Cycles"):
+        simple_scenes.plain_cycles(scene, samples, bounces, name.removeprefix(ON_CARD) if ON_CARD in name else "CPU")
     else:
         simple_scenes.plain_sdf_lights(scene, samples, bounces, "CPU" if name in (ON_CPU, BY_PROJECTION[1]) else device)
         sampling = LampSampling.MIS if name in BY_PROJECTION else LampSampling.CUT
         scene.sdf_lights.lamp_sampling = sampling.value
 
 
+def _seconds(options) -> float:
+    return 0.0 if options.device == "REFERENCE" or options.quick else SECONDS
+
+
 def measure(bounces: int, options) -> list[dict]:
     """A row for each engine; they take turns."""
-    size = 128 if options.quick else 256
+    size = options.size or (128 if options.quick else 256)
     few, many = (1, 33) if options.quick else (8, 136)
     repeats = 3 if options.quick else 5
     if options.device == "REFERENCE":
-        size, few, many, repeats = 64, 1, 3, 1 if options.quick else 5
+        size, few, many, repeats = options.size or 64, 1, 3, 1 if options.quick else 5
     repeats = options.repeats or repeats
     scene = simple_scenes.boxes_and_sphere(size)
     simple_scenes.add_point_light()
@@ -67,15 +81,16 @@ def measure(bounces: int, options) -> list[dict]:
         dict(
             engine=name,
             bounces=bounces,
-            samples=many - few,
+            samples=rate.samples,
             pixels=size * size,
             repeats=repeats,
             samples_per_second=rate.per_second(size * size),
             fastest=rate.per_second(size * size, min),
             slowest=rate.per_second(size * size, max),
             mean=rate.mean,
+            first_render_seconds=rate.first,
         )
-        for name, rate in turns.rates(engines, few, many, repeats, render).items()
+        for name, rate in turns.rates(engines, few, many, repeats, render, _seconds(options)).items()
     ]
 
 
@@ -100,29 +115,31 @@ def rates(options, parts: Parts, progress: Progress) -> tuple[dict, list[dict]]:
 def on_lamp_scenes(options) -> tuple[dict, list[dict]]:
     """Samples a second of the GPU, of Cycles, for which lamps are volumes, and of the CPU: direct light, with the same
     estimators on GPU and CPU: cuts, and projection with MIS."""
-    size = 128
+    size = options.size or 128
     few, many = (1, 5) if options.quick else (4, 36)
     repeats = options.repeats or (1 if options.quick else 5)
     rows, ratios, ratios_by_projection = [], [], []
-    engines = (*_engines(options), *BY_PROJECTION)
-    for name in LAMP_SCENES[:1] if options.quick else LAMP_SCENES:
+    engines, cards = (*_engines(options), *BY_PROJECTION), simple_scenes.cycles_cards()
+    names = options.only.split(",") if options.only else LAMP_SCENES
+    for name in names[:1] if options.quick else names:
         lamp_scenes.SCENES[name].build(size)
 
         def render(engine: str, samples: int) -> pictures.Picture:
-            lamp_scenes.show(volumes=engine == "Cycles")
+            lamp_scenes.show(volumes=engine.startswith("Cycles"))
             _prepare(engine, bpy.context.scene, samples, 0, options.device)
             return pictures.render()
 
-        found = turns.rates(engines, few, many, repeats, render)
+        found = turns.rates(engines, few, many, repeats, render, _seconds(options))
         means = {engine: rate.mean for engine, rate in found.items()}
         rate = [each.per_second(size * size) for each in found.values()]
-        gpu, cycles, cpu, gpu_by_projection, cpu_by_projection = rate
+        gpu, cycles, cpu = rate[: len(engines) - len(cards) - 2]
+        gpu_by_projection, cpu_by_projection = rate[-2:]
         ratios.append(gpu / cpu)
         ratios_by_projection.append(gpu_by_projection / cpu_by_projection)
         rows.append(
             dict(
                 scene=name,
-                samples=many - few,
+                samples=found[engines[0]].samples,
                 pixels=size * size,
                 repeats=repeats,
                 gpu_samples_per_second=gpu,
@@ -130,10 +147,12 @@ def on_lamp_scenes(options) -> tuple[dict, list[dict]]:
                 cpu_samples_per_second=cpu,
                 gpu_samples_per_second_by_projection=gpu_by_projection,
                 cpu_samples_per_second_by_projection=cpu_by_projection,
+                **{f"cycles_{kind.lower()}_samples_per_second": speed for kind, speed in zip(cards, rate[3:-2])},
                 ratio=ratios[-1],
                 ratio_by_projection=ratios_by_projection[-1],
                 mean_gpu=means[engines[0]],
                 mean_cpu=means[ON_CPU],
+                gpu_first_render_seconds=found[engines[0]].first,
             )
         )
     return dict(

@@ -12,6 +12,8 @@ import numpy as np
 
 from . import pictures
 
+MOST_SAMPLES = 1 << 15  # of a pixel
+
 Made = dict[Hashable, list[pictures.Picture]]
 
 
@@ -36,9 +38,11 @@ def work_of(pile: list[pictures.Picture]) -> float:
 
 @dataclass
 class Rate:
-    """Seconds of ``many`` samples beyond those of ``few``, turn by turn, and the mean of the last picture."""
+    """Seconds of additional ``samples``, turn by turn; those of the very first render, which compiles; and the mean of
+    the last picture."""
 
     samples: int
+    first: float = 0.0
     seconds: list[float] = field(default_factory=list)
     mean: float = 0.0
 
@@ -48,15 +52,27 @@ class Rate:
 
 
 def rates(
-    engines: Iterable[str], few: int, many: int, repeats: int, render: Callable[..., pictures.Picture]
+    engines: Iterable[str],
+    few: int,
+    many: int,
+    repeats: int,
+    render: Callable[..., pictures.Picture],
+    seconds: float = 0.0,
 ) -> dict[str, Rate]:
     """The rate of each engine: ``render(engine, samples)`` of few and many samples, in turns. A first turn compiles and
-    fills caches; it does not count."""
+    fills caches; it does not count. An engine that is so fast that the additional samples take less than ``seconds``
+    takes more of them."""
     found = {engine: Rate(many - few) for engine in engines}
     for turn in range(repeats + 1):
         for engine, rate in found.items():
-            short, long = (render(engine, samples) for samples in (few, many))
+            while True:
+                short, long = (render(engine, samples) for samples in (few, few + rate.samples))
+                rate.first = rate.first or short.seconds
+                taken = long.seconds - short.seconds
+                if turn or taken >= seconds or rate.samples >= MOST_SAMPLES:
+                    break
+                rate.samples *= 4
             rate.mean = float(long.pixels.mean())
             if turn:
-                rate.seconds.append(long.seconds - short.seconds)
+                rate.seconds.append(taken)
     return found

@@ -221,30 +221,31 @@ class GpuRenderer:
         """Add the GPU's sums to the film."""
         film = self._film
         sums = np.frombuffer(self._sums.read(len(pixels) * self._size * 4), np.float32).reshape(len(pixels), self._size)
-        sums = sums.astype(np.float64)
+        # A slice is ten times as fast as a list of pixels.
+        rows = slice(pixels[0], pixels[-1] + 1) if pixels[-1] - pixels[0] + 1 == len(pixels) else pixels
         seen = sums[:, self._places["surfaces"]].astype(np.int32)
-        fresh = (seen > 0) & (film.surfaces[pixels] == 0)
+        fresh = (seen > 0) & (film.surfaces[rows] == 0)
         for name, array in film.sums.items():
             if name in self._places:
-                rows = array.reshape(len(film.active), -1)
-                part = sums[:, self._places[name] : self._places[name] + rows.shape[1]]
+                array = array.reshape(len(film.active), -1)
+                part = sums[:, self._places[name] : self._places[name] + array.shape[1]]
                 if name in ("position", "depth"):  # of the first sample that hit a surface
-                    rows[pixels[fresh]] = part[fresh]
+                    array[pixels[fresh]] = part[fresh]
                 else:
-                    rows[pixels] += part
+                    array[rows] += part
         discarded = film.discarded.reshape(len(film.active), -1)
         for column, name in enumerate(("nan", "infinite")):
-            discarded[pixels, column] += sums[:, self._places[name]].astype(np.int32)
+            discarded[rows, column] += sums[:, self._places[name]].astype(np.int32)
         if "light" in self._places:
-            film.light_sums[pixels] += sums[:, self._of("light")]
+            film.light_sums[rows] += sums[:, self._of("light")]
         if "data" in self._places:
-            part = sums[:, self._of("data")]
-            part[np.ix_(film.count[pixels] > 0, self._packed.first_alone)] = 0.0
-            film.data_sums[pixels] += part
+            part = sums[:, self._of("data")].copy()
+            part[np.ix_(film.count[rows] > 0, self._packed.first_alone)] = 0.0
+            film.data_sums[rows] += part
         if "mattes" in self._places:
-            film.matte_sums[pixels] = sums[:, self._of("mattes")].reshape(len(pixels), *film.matte_sums.shape[1:])
-        film.count[pixels] += sums[:, self._places["count"]].astype(np.int32)
-        film.surfaces[pixels] += seen
+            film.matte_sums[rows] = sums[:, self._of("mattes")].reshape(len(pixels), *film.matte_sums.shape[1:])
+        film.count[rows] += sums[:, self._places["count"]].astype(np.int32)
+        film.surfaces[rows] += seen
 
     def sample(self, first: int, count: int, stop: Callable[[], bool], report: Callable[[float], None]) -> bool:
         """Add samples ``first`` to ``first + count − 1`` to every active pixel. Returns False if stopped before the
