@@ -106,9 +106,7 @@ def _described(argument: Argument) -> Parameter:
 
 
 class _WordNode(LampNode):
-    """A call of a word."""
-
-    function: Function
+    """A call of a word, its ``function``."""
 
     def match_interface(self):
         """Adds the inputs that a file of an older version lacks."""

@@ -10,10 +10,10 @@ with its sign changed, ``NEGATED`` follows the operand in the list.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
+from ...frozen import frozen
 from ...graph.codegen_native import LANES, compiled
 from ...graph.formula import CALL, CONSTANT, ITERATE, PARAMETER, Formula, body, order
 from ...graph.functions import compiled_part
@@ -56,7 +56,7 @@ lamp_parameters = table("lamp_parameters", np.float64)
 lamp_lists = table("lamp_lists", LIST)
 
 
-@dataclass(frozen=True)
+@frozen
 class CompiledField:
     """A field ready for the kernels. ``code`` owns the memory at the addresses in ``terms`` and ``parameters``."""
 

@@ -10,10 +10,9 @@ they had never been there.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from ...frozen import frozen
 from ..film import Film
 from ..sample_allocation import golden_ratio_sequence, own_cost
 from .light_paths import LightPaths
@@ -50,7 +49,7 @@ def is_affordable(pixels: np.ndarray, light_paths: LightPaths, film: Film, sampl
     return light_paths.has_lamps() or cost <= MOST_COST * samples * np.count_nonzero(film.active)
 
 
-@dataclass(frozen=True)
+@frozen
 class Pilot:
     """What the samples of the pilot pixels tell: (pixels,) sums of RGB, the variance of a sample, and that of what it
     has before its path splits; and the time of a sample before it splits and after that, in surfaces that rays meet."""

@@ -97,8 +97,12 @@ def supports_light_paths(scene: Scene, packed: PackedScene) -> bool:
         and vertices_of(scene, packed) <= MOST_VERTICES
         and (settings.transparent_bounces > 0 or not block["transparent_shadows"])
         and all(
-            each.visibility & SCATTERED in (SCATTERED, 0) and each.receivers == each.blockers == ALL_SETS
-            for each in scene.instances
+            rays & SCATTERED in (SCATTERED, 0) and receivers == blockers == ALL_SETS
+            for rays, receivers, blockers in {
+                # As integers: operations of enumerations take long, and there may be many thousands of instances.
+                (int(each.visibility), each.receivers, each.blockers)
+                for each in scene.instances
+            }
         )
         and not block["has_media"]
         and not packed.moves
@@ -167,7 +171,9 @@ def powers_of(scene: Scene, packed: PackedScene) -> np.ndarray:
             rows = emitters["kind"] == kind
             found[rows] = module.flux(packed.table(module.TABLE))[emitters["index"][rows]]
     triangles = packed.table("light_triangles")
-    glow = np.array([_is_everywhere(instance) for instance in scene.instances] or [False])
+    glow = np.zeros(len(scene.instances) or 1, bool)
+    for index in np.unique(triangles["instance"]):
+        glow[index] = _is_everywhere(scene.instances[index])
     found[emitters["kind"] == TRIANGLE] = (
         np.abs(triangles["radiance"]).mean(axis=1) * 2.0 * math.pi * triangles["area"] * glow[triangles["instance"]]
     )

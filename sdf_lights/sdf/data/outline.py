@@ -12,11 +12,11 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
+from ...frozen import frozen
 from ...graph.formula import Formula, Vector, call
 from ...graph.functions import Function, TableFunction
 from ...graph.interval_kernels import square_bounds, unit_bounds
@@ -259,7 +259,7 @@ def outline_table(segments: np.ndarray) -> Table:
     return table(np.concatenate([head, nodes.ravel(), rows.ravel()]))
 
 
-@dataclass(frozen=True)
+@frozen
 class Outline(Profile, abstract=True):
     """A region of the plane with an edge of straight segments, and what lies within ``offset`` of it."""
 

@@ -11,11 +11,11 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
+from ...frozen import frozen
 from ...graph.formula import Formula, Vector, call
 from ...graph.functions import Function, TableFunction
 from ...graph.interval_kernels import square_bounds, unit_bounds
@@ -318,7 +318,7 @@ def _along(lengths: np.ndarray) -> np.ndarray:
     return np.column_stack([ends[:-1], ends[1:]])
 
 
-@dataclass(frozen=True)
+@frozen
 class Tube(Shape, abstract=True):
     """A round tube along curves, whose radius may change: all balls along them. The distance is exact outside."""
 

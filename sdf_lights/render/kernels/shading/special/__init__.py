@@ -15,7 +15,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from .....jit import CallablePart
+from .....jit import CallablePart, layout
 from ....tables import thin_film as thin_film_table
 from .. import dispatch
 from ..material_records import LOBE_PRINCIPLED
@@ -120,7 +120,7 @@ _parts: dict[tuple, object] = {}
 
 
 def _address(kernel, count: int, records: tuple) -> int:
-    key = kernel, tuple(map(str, records))
+    key = kernel, layout(records)
     if key not in _parts:
         _parts[key] = CallablePart(kernel, (), count, records)
     return _parts[key].address
