@@ -252,6 +252,12 @@ class Callback(_ForC):
         super().__init__(function, 1, kernel, [kernel.__wrapped__.__name__])
 
 
+@functools.cache
+def layout(records: tuple) -> str:
+    """Identifies the fields of records of these types, which may change without a change of a kernel's sources."""
+    return hashlib.sha256(repr([np.dtype(record) for record in records]).encode()).hexdigest()[:16]
+
+
 class CallablePart(_ForC):
     """A kernel as a C function ``void f(int64 block, int64 workspace, int64 operands, int64 results)``. Compiled
     formulas call it, and other kernels do (``call_part``). It is compiled on first use, and cached on disk."""
@@ -259,9 +265,8 @@ class CallablePart(_ForC):
     def __init__(self, kernel, static: tuple[int, ...], operands: int, records: tuple | None):
         """``records``: types of the block and the workspace, if the kernel uses them."""
         key = [kernel.__wrapped__.__name__, *static, operands]
-        if records is not None:  # their fields may change without a change of the kernel's sources
-            layouts = repr([np.dtype(record) for record in records])
-            key.append(hashlib.sha256(layouts.encode()).hexdigest()[:16])
+        if records is not None:
+            key.append(layout(records))
         super().__init__(_called(kernel, static, operands, records), 4, kernel, key)
 
     def fill(self, operands: np.ndarray, results: np.ndarray) -> None:

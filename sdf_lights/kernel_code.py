@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from . import machine_code
+from . import kernel_cache, machine_code
 
 # The third level of x86-64: all processors of Intel since 2013, and of AMD since 2015, except some of the cheapest.
 BASE = "x86-64-v3"
@@ -33,6 +33,7 @@ FASTMATH = {"contract", "reassoc", "arcp", "nsz"}
 _IMPORT = re.compile(r"^\s*from (\.+|sdf_lights\b)([\w.]*) import (\([^)]*\)|[^\n#]+)", re.MULTILINE)
 ROOT = pathlib.Path(__file__).resolve().parent
 _ROOT = f"{ROOT}{os.sep}"
+_MOST_BYTES = 1 << 20  # of what is known about sources
 
 _FLAGS = dict(bmi1="bmi", abm="lzcnt", sse4_2="sse4.2")  # names in Linux that are not those in LLVM
 
@@ -62,7 +63,7 @@ def base_processor() -> str:
 @functools.cache
 def compiler() -> tuple:
     """Numba and LLVM, as far as code depends on them."""
-    return tuple(map(_version, ("numba", "llvmlite")))
+    return tuple(map(version, ("numba", "llvmlite")))
 
 
 def origin(package: str) -> str:
@@ -74,8 +75,11 @@ def origin(package: str) -> str:
     return found.origin or "" if found is not None else ""
 
 
-def _version(package: str) -> str:
-    """The version of an installed package, without ``importlib.metadata``, which takes as long as NumPy to import."""
+def version(package: str) -> str:
+    """The version of an installed package; "" if there is none.
+
+    ``importlib.metadata`` takes as long as NumPy to import.
+    """
     if not origin(package):
         return ""
     root = pathlib.Path(origin(package)).parents[1]
@@ -95,19 +99,24 @@ def target() -> tuple:
 
 
 @functools.cache
-def _files() -> frozenset[str]:
-    """Paths of all source files of the package: one walk is faster than a question for each import."""
-    return frozenset(
-        os.path.join(folder, name) for folder, _, names in os.walk(ROOT) for name in names if name.endswith(".py")
-    )
+def _files() -> dict[str, tuple[int, int, int]]:
+    """All source files of the package, by their paths: size, and times of changes in nanoseconds."""
+    found, pending = {}, [str(ROOT)]
+    while pending:
+        for entry in os.scandir(pending.pop()):
+            if entry.is_dir():
+                pending.append(entry.path)
+            elif entry.name.endswith(".py"):
+                status = entry.stat()
+                found[entry.path] = status.st_size, status.st_mtime_ns, status.st_ctime_ns
+    return found
 
 
 def _is_file(path: str) -> bool:
     return path in _files() if path.startswith(_ROOT) else os.path.isfile(path)
 
 
-@functools.cache
-def _source(path: str) -> tuple[bytes, frozenset[str]]:
+def _read(path: str) -> tuple[bytes, tuple[str, ...]]:
     """Hash of a source file, and the source files of the package that it imports directly."""
     found: set[str] = set()
     content = pathlib.Path(path).read_bytes()
@@ -123,7 +132,24 @@ def _source(path: str) -> tuple[bytes, frozenset[str]]:
         found.update(filter(_is_file, candidates))
     if "import_module(" in text:  # siblings of the package
         found.update(map(str, pathlib.Path(path).parent.glob("*.py")))
-    return hashlib.sha256(content).digest(), frozenset(found)
+    return hashlib.sha256(content).digest(), tuple(sorted(found))
+
+
+@functools.cache
+def _sources() -> dict[str, tuple[bytes, tuple[str, ...]]]:
+    """What ``_read`` finds in each source file of the package. It is kept on disk until a file changes."""
+    files = kernel_cache.Files(kernel_cache.writable_folder() / "sources", "sources", most=_MOST_BYTES)
+    key = hashlib.sha256(repr(sorted(_files().items())).encode()).hexdigest()
+    found = files.load(key)
+    if found is None:
+        found = {path: _read(path) for path in _files()}
+        files.save(key, found)
+    return found
+
+
+@functools.cache
+def _source(path: str) -> tuple[bytes, tuple[str, ...]]:
+    return _sources()[path] if path in _files() else _read(path)
 
 
 def _interface() -> str:

@@ -83,6 +83,8 @@ TERMS: dict[str, tuple[str, dict, dict]] = {
     "near": ("noise of branches of the 80 nearest neighbours, not of 24", {}, dict(NEAR=FAR)),
     "patch": ("patches of two pixels", {}, dict(PATCH=2)),
     "bands": ("a quarter of the rows first", {}, dict(BANDS=4)),
+    "first_update": ("the first decision after four samples, not after two", {}, dict(FIRST_UPDATE=4)),
+    "levels": ("the noise of pixels has 9 powers of two, not 25", {}, dict(LEAST=2.0**-8, LEVELS=9)),
     "ears": (
         "splitting as in EARS (Rath et al. 2022), the same number of samples for all pixels",
         dict(guided_samples=False),

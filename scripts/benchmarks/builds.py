@@ -129,6 +129,38 @@ def measure(kind: str, name: str, make, turns: int) -> dict:
     return dict(kind=kind, built=name) | made[-1] | times
 
 
+def bounds_of_gradients(turns: int) -> dict:
+    """Milliseconds of processor time to bound the gradients in the boxes of a smooth union: by the interpreter, and of
+    its terms alone by NumPy, which is the reference."""
+    from sdf_lights.emitter.tree import interior, slopes
+    from sdf_lights.graph.lipschitz import gradient_bounds
+    from support.lamps.hard_cases import scattered
+
+    tree = interior.tree(scattered(PARTS, smooth=True, size=0.9 * PARTS ** (-1.0 / 3.0)))
+    nodes = tree.nodes[tree.boundary]
+    boxes, lists = tree.boxes[tree.boundary], [tree.lists[r["row_first"] :][: r["row_count"]] for r in nodes]
+    terms = [
+        (term, boxes[[number in row for row in lists]])
+        for number, term in enumerate(tree.field.source)
+        if term.arity == 0
+    ]
+
+    def by_interpreter() -> None:
+        slopes.bounds_of(tree.field, boxes, tree.lists, nodes["row_first"], nodes["row_count"])
+
+    def by_numpy() -> None:
+        for term, places in terms:
+            gradient_bounds(term.formula, places[:, :3], places[:, 3:], term.parameters, 1)
+
+    found: dict = {by_interpreter: [], by_numpy: []}
+    for _ in range(turns + 1):
+        for bound, times in found.items():
+            started = time.process_time()
+            bound()
+            times.append(1e3 * (time.process_time() - started))
+    return {f"bounds_ms_{bound.__name__}": statistics.median(times[1:]) for bound, times in found.items()}
+
+
 def run(options) -> tuple[dict, list[dict]]:
     turns = options.repeats or (1 if options.quick else TURNS)
     cases = _cases()
@@ -139,4 +171,5 @@ def run(options) -> tuple[dict, list[dict]]:
         build_ms_csg_20=worst["csg_20"],
         build_ms_worst_fractal=worst["fractal"],
         build_ms_worst_example=worst["example"],
+        **bounds_of_gradients(turns),
     ), rows

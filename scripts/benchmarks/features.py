@@ -38,7 +38,11 @@ def arguments(parser) -> None:
     parser.add_argument(
         "--sheet", type=pathlib.Path, metavar="FILE", help="write a contact sheet: Cycles left, ours right"
     )
-    parser.add_argument("--document", action="store_true", help="write the table and the sheet of docs/cycles.md")
+    parser.add_argument(
+        "--document",
+        action="store_true",
+        help="write the table and the sheet of docs/cycles.md; with --features, their rows alone",
+    )
 
 
 def run(options) -> tuple[dict, list[dict]]:
@@ -56,12 +60,13 @@ def run(options) -> tuple[dict, list[dict]]:
         rows += parts.of(name, functools.partial(_rows, name, given, shared))
         progress.step()
     shared.close()
-    if options.sheet or options.document:
-        _write_sheet(options.sheet or SHEET, rows)
+    if options.sheet:
+        _write_sheet(options.sheet, names)
     parts.finish()
     progress.close()
     if options.document:
-        _write_document(rows)
+        _write_sheet(SHEET, feature_scenes.FEATURES)
+        _write_document(rows, keep=bool(options.features))
     return summary_of(rows), rows
 
 
@@ -201,42 +206,56 @@ def _shown(pair: list[np.ndarray], is_light: bool) -> np.ndarray:
     return contact_sheet.srgb(np.clip(both, 0.0, 1.0))
 
 
-def _write_sheet(path: pathlib.Path, rows: list[dict]) -> None:
+def _pictures(names) -> list[tuple[str, str]]:
+    """Features of these names, with the passes whose pictures are on disk."""
+    from . import feature_scenes
+
+    order, found = list(feature_scenes.FEATURES), []
+    for file in _path("", "").parent.glob("*.npz"):
+        # One name may begin another one.
+        name = max((name for name in order if file.stem.startswith(f"{name} ")), key=len, default=None)
+        if name in names:
+            found.append((name, file.stem.removeprefix(f"{name} ")))
+    return sorted(found, key=lambda pair: (order.index(pair[0]), pair[1] != "Combined", pair[1]))
+
+
+def _write_sheet(path: pathlib.Path, names) -> None:
     import contact_sheet
 
     from .feature_scenes.stage import SIZE
 
     cells = []
-    for row in rows:
-        file = _path(row["feature"], row["pass"])
-        if row["error"] or not file.is_file():
-            continue
-        with np.load(file) as kept:
-            pair = [kept[key].astype(float) for key in ("cycles", "ours")]
-        shown = _shown(pair, row["pass"] == "Combined")
+    for name, key in _pictures(names):
+        with np.load(_path(name, key)) as kept:
+            pair = [kept[picture].astype(float) for picture in ("cycles", "ours")]
+        shown = _shown(pair, key == "Combined")
         cell = np.full((SIZE, 2 * SIZE, 3), 0.09)
         cell[: shown.shape[0], : shown.shape[1]] = shown[:SIZE, : 2 * SIZE]
-        text = row["feature"] if row["pass"] == "Combined" else f"{row['feature']}: {row['pass']}"
+        text = name if key == "Combined" else f"{name}: {key}"
         cells.append(np.concatenate([cell, contact_sheet.caption(text, cell.shape[1])]))
     if cells:
         contact_sheet.write(path, contact_sheet.sheet(cells, COLUMNS))
 
 
-def _write_document(rows: list[dict]) -> None:
+def _write_document(rows: list[dict], keep: bool) -> None:
+    """Write the table of docs/cycles.md. ``keep``: other features keep their lines."""
     from . import feature_scenes
 
+    before, begin, rest = DOCUMENT.read_text(encoding="utf-8").partition(BEGIN)
+    old, end, after = rest.partition(END)
+    if not (begin and end):
+        raise ValueError(f"{DOCUMENT.name} lacks the marks of features.")
     lines = ["| what | scene | difference of means |", "|---|---|---|"]
     for feature in feature_scenes.FEATURES.values():
+        title = f"| {feature.group}: {feature.name} |"
         own = [row for row in rows if row["feature"] == feature.name and not row["error"]]
         if own:
             worst = max(own, key=lambda row: row["mean_difference"])
             of = f" in {len(own)} passes" if len(own) > 1 else ""
             lines.append(
-                f"| {feature.group}: {feature.name} | {feature.about} "
+                f"{title} {feature.about} "
                 f"| {100.0 * worst['mean_difference']:.2f} % ± {100.0 * worst['mean_doubt']:.2f} %{of} |"
             )
-    before, begin, rest = DOCUMENT.read_text(encoding="utf-8").partition(BEGIN)
-    _, end, after = rest.partition(END)
-    if not (begin and end):
-        raise ValueError(f"{DOCUMENT.name} lacks the marks of features.")
+        elif keep:
+            lines += [line for line in old.splitlines() if line.startswith(title)]
     DOCUMENT.write_text("\n".join([before + BEGIN, *lines, END]) + after, encoding="utf-8")

@@ -3,12 +3,14 @@
 """Random scenes by both engines: which pictures differ by more than noise, and which features make them differ.
 
 ``--trees``: random node trees instead, whose value is the light of an object, so that there is no noise.
+``--closures``: random shaders instead, on lit balls.
 """
 
 from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import bpy
@@ -20,6 +22,7 @@ from .progress import Progress
 
 TOGETHER = 64  # node trees in one picture
 TREE_SIZE, TREE_SAMPLES = 24, 4
+CLOSURE_SIZE, CLOSURE_SAMPLES, CLOSURES_TOGETHER = 32, 128, 25
 PIXEL = 0.01  # change of a pixel that counts, from black (0) over its median (0.5) to white (1)
 JUMPS = 3.0  # factor on the change of our own picture when its rays move by a hundredth of a pixel
 PIXELS = 0.01  # part of the pixels that may change
@@ -73,6 +76,7 @@ def arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument("--first", type=int, default=FIRST, help=f"seed of the first scene (default: {FIRST})")
     command.add_argument("--scenes", type=int, help=f"number of scenes (default: {SCENES}; --quick: {QUICK_SCENES})")
     command.add_argument("--trees", type=int, help="compare so many random node trees, instead of scenes")
+    command.add_argument("--closures", type=int, help="compare so many random shaders on balls, instead of scenes")
     command.add_argument("--reduce", action="store_true", help="leave out features for as long as pictures differ")
 
 
@@ -141,6 +145,38 @@ def tree_rows(seeds: range, device: str) -> list[dict]:
     return rows
 
 
+def closure_rows(seeds: range, device: str) -> list[dict]:
+    """Rows of the random shaders of these seeds, on balls in one picture."""
+    cases = [random_nodes.closure_case(seed) for seed in seeds]
+    grid = node_scenes.grid_of(cases, CLOSURE_SIZE)
+    scene, problems = node_scenes.build(grid)
+    if problems:
+        raise RuntimeError(f"these shaders cannot be built: {problems}")
+    made = {}
+    for engine in ENGINES:
+        node_scenes.settings(scene, engine, CLOSURE_SAMPLES, node_pictures.BOUNCES, True, device)
+        stack = []
+        for number in range(SEEDS):
+            scene.cycles.seed = scene.sdf_lights.seed = number + 1
+            stack.append(pictures.render().pixels)
+        made[engine] = stack
+    theirs, ours = made.pop(CYCLES), *made.values()
+    rows = []
+    for index, case in enumerate(cases):
+        found = difference_of(*(np.array([grid.tile(picture, index) for picture in stack]) for stack in (theirs, ours)))
+        rows.append(
+            dict(
+                closure_seed=int(case.seed),
+                mean=found.mean,
+                errors=found.errors,
+                block=found.block,
+                block_errors=found.block_errors,
+                differs=bool(found.is_beyond_noise),
+            )
+        )
+    return rows
+
+
 def _squashed(picture: np.ndarray, scale: float) -> np.ndarray:
     """Values between −1 and 1, so that very large ones do not hide others; what is no number is black."""
     given = np.where(np.isfinite(picture), picture, 0.0)
@@ -148,22 +184,20 @@ def _squashed(picture: np.ndarray, scale: float) -> np.ndarray:
 
 
 def summary_of(rows: list[dict]) -> dict:
-    """``fuzz_scenes``, or ``fuzz_trees``; ``fuzz_beyond_noise``: how many of them differ."""
+    """``fuzz_scenes``, ``fuzz_trees`` or ``fuzz_closures``; ``fuzz_beyond_noise``: how many of them differ."""
     if rows and "tree_seed" in rows[0]:
         return dict(fuzz_trees=len(rows), fuzz_beyond_noise=sum(row["different_pixels"] > PIXELS for row in rows))
+    if rows and "closure_seed" in rows[0]:
+        return dict(fuzz_closures=len(rows), fuzz_beyond_noise=sum(row["differs"] for row in rows))
     return dict(fuzz_scenes=len(rows), fuzz_beyond_noise=sum(bool(row["features"]) for row in rows))
 
 
 def run(options: argparse.Namespace) -> tuple[dict, list[dict]]:
     if options.trees:
-        progress, rows = Progress(options.trees), []
-        for first in range(options.first, options.first + options.trees, TOGETHER):
-            seeds = range(first, min(first + TOGETHER, options.first + options.trees))
-            progress.show(f"trees {seeds.start} to {seeds.stop - 1}")
-            rows += tree_rows(seeds, options.device)
-            for _ in seeds:
-                progress.step()
-        progress.close()
+        rows = _together("trees", options.trees, TOGETHER, tree_rows, options)
+        return summary_of(rows), rows
+    if options.closures:
+        rows = _together("shaders", options.closures, CLOSURES_TOGETHER, closure_rows, options)
         return summary_of(rows), rows
     count = options.scenes or (QUICK_SCENES if options.quick else SCENES)
     progress, rows = Progress(count), []
@@ -175,3 +209,16 @@ def run(options: argparse.Namespace) -> tuple[dict, list[dict]]:
             print(f"scene {seed}: {rows[-1]['features']}", file=sys.stderr)
     progress.close()
     return summary_of(rows), rows
+
+
+def _together(what: str, count: int, most: int, rows_of: Callable, options: argparse.Namespace) -> list[dict]:
+    """Rows of ``count`` seeds, of which at most ``most`` are in one picture."""
+    progress, rows = Progress(count), []
+    for first in range(options.first, options.first + count, most):
+        seeds = range(first, min(first + most, options.first + count))
+        progress.show(f"{what} {seeds.start} to {seeds.stop - 1}")
+        rows += rows_of(seeds, options.device)
+        for _ in seeds:
+            progress.step()
+    progress.close()
+    return rows

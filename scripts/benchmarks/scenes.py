@@ -40,6 +40,14 @@ QUICK_COSTS = ("forest",)  # whose start and memory a quick run measures
 LIMIT = 0.02  # of the difference of means
 DOCUMENT = host.REPOSITORY / "docs" / "cycles.md"
 BEGIN, END = "<!-- scenes: made by scripts/bench scenes --document -->", "<!-- end of scenes -->"
+BEGIN_COSTS, END_COSTS = "<!-- costs: made by scripts/bench scenes --costs --document -->", "<!-- end of costs -->"
+COSTS = {
+    "start": "from launch to picture",
+    "first": "its render alone",
+    "sync": "synchronisation",
+    "again": "with Persistent Data",
+    "memory": "memory",
+}
 
 
 def arguments(parser) -> None:
@@ -49,7 +57,8 @@ def arguments(parser) -> None:
     parser.add_argument(
         "--sheet", type=pathlib.Path, metavar="FILE", help="write a contact sheet: Cycles left, ours right"
     )
-    parser.add_argument("--document", action="store_true", help="write the table of docs/cycles.md")
+    parser.add_argument("--costs", action="store_true", help="measure start, synchronisation and memory alone")
+    parser.add_argument("--document", action="store_true", help="write the tables of docs/cycles.md")
     methods.picture_arguments(parser)
 
 
@@ -73,20 +82,38 @@ def document(summary: dict, rows: list[dict], sampled: str) -> None:
             else []
         ),
     ]
-    costs = {name: summary.get(f"{name}_ratio_to_cycles_max") for name in ("sync", "again", "start", "first", "memory")}
-    measured = [row["artist_scene"] for row in rows if "start_ratio" in row]
-    if None not in costs.values():
-        lines.append(
-            f"Of what comes before samples, over Cycles' in the worst of {len(measured)} scenes: synchronisation {costs['sync']:.1f}, "
-            f"an unchanged frame with Persistent Data {costs['again']:.1f}, a process from its launch to its first picture "
-            f"{costs['start']:.1f} (its render alone {costs['first']:.1f}), memory {costs['memory']:.1f}. Less than a tenth "
-            "of a second, or 64 MiB, counts as that."
-        )
-    before, begin, rest = DOCUMENT.read_text(encoding="utf-8").partition(BEGIN)
-    _, end, after = rest.partition(END)
-    if not (begin and end):
-        raise ValueError(f"{DOCUMENT.name} lacks the marks of scenes.")
-    DOCUMENT.write_text("\n".join([before + BEGIN, *lines, END]) + after, encoding="utf-8")
+    _write(BEGIN, lines, END)
+
+
+def document_costs(rows: list[dict]) -> None:
+    """Write the table of start, synchronisation and memory of docs/cycles.md."""
+    lines = [
+        f"| scene | {' | '.join(COSTS.values())} |",
+        f"|---|{'---|' * len(COSTS)}",
+        *(
+            f"| {row['artist_scene'].replace('_', ' ')} | {' | '.join(_cost(row, cost) for cost in COSTS)} |"
+            for row in rows
+            if "start_ratio" in row
+        ),
+    ]
+    _write(BEGIN_COSTS, lines, END_COSTS)
+
+
+def _cost(row: dict, cost: str) -> str:
+    """Our figure, and its ratio to Cycles'."""
+    if f"{cost}_ratio" not in row:
+        return ""
+    ours = f"{row[cost] / (1 << 20):.0f} MiB" if cost == "memory" else f"{row[cost]:.2f} s"
+    return f"{ours}, {row[f'{cost}_ratio']:.2f} ×"
+
+
+def _write(begin: str, lines: list[str], end: str) -> None:
+    """Replace what is between two marks of the document."""
+    before, found, rest = DOCUMENT.read_text(encoding="utf-8").partition(begin)
+    _, closed, after = rest.partition(end)
+    if not (found and closed):
+        raise ValueError(f"{DOCUMENT.name} lacks the mark {end if found else begin}.")
+    DOCUMENT.write_text("\n".join([before + begin, *lines, end]) + after, encoding="utf-8")
 
 
 def complaints(rows: list[dict]) -> list[str]:
@@ -97,7 +124,7 @@ def complaints(rows: list[dict]) -> list[str]:
             continue
         if row["error"]:
             said.append(f"{row['artist_scene']}: {row['error'].rstrip('.')}.")
-        elif row["mean_difference"] > LIMIT:
+        elif row.get("mean_difference", 0.0) > LIMIT:
             said.append(f"{row['artist_scene']}: its mean differs by {100.0 * row['mean_difference']:.2g} %.")
     return said
 
@@ -108,7 +135,9 @@ def summary_of(rows: list[dict]) -> dict:
     summary = dict(scenes=len(rows), scenes_failed=len(rows) - len(known))
     if not known:
         return summary
-    summary["worst_mean_difference"] = max(row["mean_difference"] for row in known)
+    means = [row["mean_difference"] for row in known if "mean_difference" in row]
+    if means:
+        summary["worst_mean_difference"] = max(means)
     for name, column in (
         ("error_time_ratio_to_cycles", "error_time_ratio"),
         ("denoised_error_time_ratio_to_cycles", "denoised_error_time_ratio"),
@@ -116,7 +145,7 @@ def summary_of(rows: list[dict]) -> dict:
         ratios = [row[column] for row in known if row.get(column) is not None]
         if ratios:
             summary |= {f"{name}_geomean": statistics.geometric_mean(ratios), f"{name}_min": min(ratios)}
-    for name in ("start", "first", "sync", "again", "memory"):
+    for name in COSTS:
         ratios = [row[f"{name}_ratio"] for row in known if row.get(f"{name}_ratio") is not None]
         if ratios:
             summary[f"{name}_ratio_to_cycles_max"] = max(ratios)
@@ -132,7 +161,7 @@ def run(options) -> tuple[dict, list[dict]]:
         rows.append(parts.of(name, functools.partial(_row, name, options, shared)))
         progress.step()
     shared.close()
-    if options.sheet:
+    if options.sheet and not options.costs:
         from . import scene_pictures
 
         scene_pictures.write_sheet(options.sheet, names)
@@ -140,6 +169,8 @@ def run(options) -> tuple[dict, list[dict]]:
     progress.close()
     summary = summary_of(rows)
     if options.document:
+        document_costs(rows)
+    if options.document and not options.costs:
         samples = {row["cycles_samples"] for row in rows if not row["error"]}
         document(summary, rows, f"{' or '.join(map(str, sorted(samples)))} samples of Cycles.")
     return summary, rows
@@ -152,8 +183,9 @@ def _row(name: str, options, shared: Isolated) -> dict:
     given = argparse.Namespace(**{key: getattr(options, key) for key in chosen})
     row = dict(artist_scene=name, error="")
     try:
-        row |= shared.call(scene_pictures.measure, name, given)
-        if not options.quick or name in QUICK_COSTS:
+        if not options.costs:
+            row |= shared.call(scene_pictures.measure, name, given)
+        if options.costs or not options.quick or name in QUICK_COSTS:
             row |= scene_costs.ratios(name, given)
     except RuntimeError as error:
         row["error"] = str(error)

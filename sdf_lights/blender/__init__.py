@@ -9,6 +9,7 @@ import os
 
 import bpy
 
+from ..garbage import nothing_to_collect
 from .naming import IS_EXTENSION, ROOT
 
 _CACHE = "SDF_LIGHTS_CACHE"
@@ -93,17 +94,18 @@ def _nothing() -> None:
 
 def register():
     """Register everything. Further calls do nothing."""
-    from .nodes.tree import set_registered
-
     if hasattr(bpy.types.Scene, "sdf_lights"):
         return
     if IS_EXTENSION:
         # The extension's own folder may be read-only, and updates empty it. A folder chosen by the user stays.
         os.environ.setdefault(_CACHE, bpy.utils.extension_path_user(ROOT, path="kernels", create=True))
-    for module in _modules():
-        for kind in module.CLASSES:
-            bpy.utils.register_class(kind)
-        getattr(module, "register", _nothing)()
+    with nothing_to_collect():
+        from .nodes.tree import set_registered
+
+        for module in _modules():
+            for kind in module.CLASSES:
+                bpy.utils.register_class(kind)
+            getattr(module, "register", _nothing)()
     set_registered(True)
 
 

@@ -12,6 +12,7 @@ import math
 from collections.abc import Callable
 from typing import Any
 
+from ..frozen import frozen
 from ..render.settings import Settings
 
 _LIMITS = {field.name: (field.metadata["minimum"], field.metadata["maximum"]) for field in dataclasses.fields(Settings)}
@@ -22,7 +23,7 @@ _THRESHOLD, _CLAMP = 5.0, 3.0
 UNLIMITED = _LIMITS["samples"][1]
 
 
-@dataclasses.dataclass(frozen=True)
+@frozen
 class Row:
     """One setting.
 

@@ -14,6 +14,7 @@ import sys
 
 import bpy
 
+from ..garbage import nothing_to_collect
 from ..render.errors import RenderError
 from ..render.memory import trim_heap
 from ..render.passes import MATTES
@@ -57,9 +58,10 @@ class SDFLightsRenderEngine(ViewportEngine, bpy.types.RenderEngine):
                 trim_heap()
 
     def _render(self, depsgraph):
-        # Not at the top: this imports Numba and every kernel.
-        from ..render import libraries, session
-        from .sync import Kept, sync_views
+        # Not at the top: this imports every kernel.
+        with nothing_to_collect():
+            from ..render import libraries, session
+            from .sync import Kept, sync_views
 
         if bpy.app.binary_path:
             libraries.add_search_folder(os.path.dirname(bpy.app.binary_path))

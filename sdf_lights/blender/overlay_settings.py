@@ -55,7 +55,7 @@ class SDFLIGHTS_OverlaySettings(bpy.types.PropertyGroup):
         update=redraw,
     )
     pause: bpy.props.BoolProperty(
-        name="Pause", description="Stop the render in the viewport for a while", default=False, update=redraw
+        name="Pause", description="Pause the render in the viewport", default=False, update=redraw
     )
 
 

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import dataclasses
-import importlib.metadata
 import os
 import pathlib
 import platform
@@ -15,6 +14,7 @@ import tomllib
 import bpy
 
 from .. import kernel_cache
+from ..kernel_code import version
 from ..render.settings import Settings
 from . import feedback, preferences
 from .naming import ENGINE, LABEL
@@ -29,7 +29,7 @@ def report(scene: bpy.types.Scene) -> str:
     lines = [
         f"{LABEL} {_version()}, Blender {bpy.app.version_string} ({bpy.app.build_hash.decode(errors='replace')})",
         f"{platform.platform()}, {platform.machine()}, {os.cpu_count()} processor cores, Python {platform.python_version()}",
-        ", ".join(f"{name} {_version_of(name)}" for name in _PACKAGES),
+        ", ".join(f"{name} {version(name) or 'missing'}" for name in _PACKAGES),
         preferences.back_end()[1],
         _cache(),
         f"Scene “{scene.name}”: engine {scene.render.engine}, {len(scene.objects):,} objects",
@@ -48,13 +48,6 @@ def _version() -> str:
         return str(tomllib.loads(manifest.read_text(encoding="utf-8"))["version"])
     except (OSError, KeyError, ValueError):
         return "of an unknown version"
-
-
-def _version_of(package: str) -> str:
-    try:
-        return importlib.metadata.version(package)
-    except importlib.metadata.PackageNotFoundError:
-        return "missing"
 
 
 def _cache() -> str:

@@ -56,7 +56,7 @@ FORMS = [
 
 
 OF_DATA = {"OBJECT": "an object", "IMAGE": "a picture", "NETWORK": "a network"}
-"""Sources whose shapes no text says, and what they are, as part of a sentence."""
+"""Sources of shapes that have no text, and their names in a sentence."""
 
 
 def tag(self, context):
@@ -318,7 +318,7 @@ SDFLIGHTS_LampSettings = group(
                     ("PRIMITIVE", "Primitive", "One shape with its parameters", 0),
                     ("EXPRESSION", "Expression", "Shapes combined by a few lines of text", 1),
                     ("NODES", "Nodes", "Shapes combined by a node tree", 2),
-                    ("OBJECT", "Object", "A text, a curve, a mesh or a volume of the scene, which stays live", 3),
+                    ("OBJECT", "Object", "A text, curve, mesh or volume of the scene. The lamp follows its edits", 3),
                     ("IMAGE", "Image", "The outline of a picture, extruded", 4),
                     ("NETWORK", "Network", "A network of sines that was fitted to a shape", 5),
                 ],

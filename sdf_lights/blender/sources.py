@@ -134,7 +134,7 @@ def builtin_call_of(lamp) -> tuple[str, str, dict[str, float | str]]:
     Raises RenderError."""
     if lamp.source == "NETWORK":
         if not lamp.network:
-            raise RenderError("Its shape is the network that the add-on has, which is no file: choose one first.")
+            raise RenderError("Its network is the example of the add-on, which has no file: choose a file first.")
         return "network", lamp.network, {}
     if lamp.source == "IMAGE":
         part = next(word for word, part in _PARTS.items() if part == lamp.image_part)

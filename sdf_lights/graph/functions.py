@@ -12,12 +12,13 @@ import functools
 import inspect
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
+from ..frozen import frozen
 
-@dataclass(frozen=True)
+
+@frozen
 class Function:
     """``kernel(*static, *operands)`` returns a tuple of ``results`` numbers, or a single number if ``results`` is 1.
 
@@ -36,7 +37,7 @@ class Function:
     tables = 0  # leading operands that are addresses
 
 
-@dataclass(frozen=True)
+@frozen
 class TableFunction(Function):
     """A field that reads tables (see ``tables``): ``kernel(*addresses, *coordinates)`` returns one number.
 

@@ -17,6 +17,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from . import elementary_bounds
+
 
 class Precision(NamedTuple):
     """Largest deviation of floating-point operations from exact results: relative errors, unless stated otherwise."""
@@ -170,7 +172,7 @@ class Arithmetic:
         """Bounds of |a|, without rounding."""
         if a.positive:
             return a
-        return Interval(np.maximum(np.maximum(a.low, -a.high), 0.0), a.magnitude, a.undefined, True, a.whole)
+        return Interval(*elementary_bounds.abs_bounds(a.low, a.high), a.undefined, True, a.whole)
 
     def floor(self, a: Interval) -> Interval:
         """Bounds of ⌊a⌋, without rounding; whole numbers."""
@@ -258,21 +260,18 @@ class Arithmetic:
             a, b = b, a
         if b.is_number:
             low, high = (a.low, a.high) if b.low >= 0.0 else (a.high, a.low)
-            products = low * b.low, high * b.low
+            low, high = low * b.low, high * b.low
         elif positive:
-            products = a.low * b.low, a.high * b.high
+            low, high = a.low * b.low, a.high * b.high
         else:
-            products = a.low * b.low, a.low * b.high, a.high * b.low, a.high * b.high
-        low, high = _extremes(np.minimum, np.maximum, products)
+            low, high = elementary_bounds.product_bounds(a.low, a.high, b.low, b.high)
         whole = self._whole(low, high, a, b, positive)
         if whole:
             return whole
         if not math.isfinite((high - low).sum()):
             # 0 · ∞: as a bound of products of finite numbers it is 0; as a product of values it would be undefined.
-            zero = np.any([np.isnan(product) for product in np.broadcast_arrays(*products)], axis=0)
-            low, high = _extremes(np.fmin, np.fmax, products)
-            low, high = np.where(zero, np.fmin(low, 0.0), low), np.where(zero, np.fmax(high, 0.0), high)
-            undefined = _either(undefined, _where_any(zero))
+            undefined = _either(undefined, _where_any(np.isnan(low) | np.isnan(high)))
+            low, high = _product_with_infinity(a.low, a.high, b.low, b.high)
         return self._rounded(low, high, self.precision.basic, undefined, positive)
 
     def odd_power(self, a: Interval, squares: int) -> Interval:
@@ -295,8 +294,7 @@ class Arithmetic:
 
     def square(self, a: Interval) -> Interval:
         """Bounds of a², rounded outwards: tighter than those of a · a."""
-        a = self.abs(a)
-        low, high = a.low * a.low, a.high * a.high
+        low, high = elementary_bounds.square_bounds(a.low, a.high)
         exact = self._exact(lambda u, v: u * v, a, a) or self._whole(low, high, a, a, True)
         return exact or self._rounded(low, high, self.precision.basic, a.undefined, True)
 
@@ -310,7 +308,7 @@ class Arithmetic:
             low, high = (a.low, a.high) if b.low > 0.0 else (a.high, a.low)
             low, high = low / b.low, high / b.low
         else:
-            low, high = _extremes(np.fmin, np.fmax, (a.low / b.low, a.low / b.high, a.high / b.low, a.high / b.high))
+            low, high = elementary_bounds.quotient_bounds(a.low, a.high, b.low, b.high)
             zero = _where_any(_holds_zero(b))
             if zero is not None:
                 endless = zero & ~(b.positive & (low <= high))  # not if the divisor is +0 or greater, and not 0/0 alone
@@ -382,8 +380,7 @@ class Arithmetic:
         """Sine or cosine, by the number of turns at its first crest."""
         endless = ~(np.isfinite(a.low) & np.isfinite(a.high))
         u, v = function(np.where(endless, 0.0, a.low)), function(np.where(endless, 0.0, a.high))
-        low = np.where(endless | self._passes(a, crest + 0.5, 1.0), -1.0, np.minimum(u, v))
-        high = np.where(endless | self._passes(a, crest, 1.0), 1.0, np.maximum(u, v))
+        low, high = elementary_bounds.wave_bounds(u, v, a.low, a.high, crest, self._doubt(a))
         error = self.precision.sine * np.maximum(1.0, np.where(endless, 1.0, a.magnitude))
         found = self._rounded(
             low - error, high + error, self.precision.library, _either(a.undefined, _where_any(endless))
@@ -393,16 +390,14 @@ class Arithmetic:
             high=np.minimum(found.high, 1.0 + self.precision.library),
         )
 
-    def _passes(self, a: Interval, first: float, period: float) -> np.ndarray:
-        """Whether the interval contains one of the angles first + i · period, in turns; true in case of doubt."""
-        doubt = 4.0 * _ULP * (1.0 + a.magnitude / math.tau)
-        u, v = ((end / math.tau - first) / period for end in a[:2])
-        return np.ceil(u - doubt / period) <= np.floor(v + doubt / period)
+    def _doubt(self, a: Interval) -> np.ndarray:
+        """Turns by which an angle may be wrong after rounding."""
+        return 4.0 * _ULP * (1.0 + a.magnitude / math.tau)
 
     def tan(self, a: Interval) -> Interval:
         """Bounds of tan(a); infinite if ``a`` may contain a pole."""
         endless = ~(np.isfinite(a.low) & np.isfinite(a.high))
-        pole = endless | self._passes(a, 0.25, 0.5)
+        pole = elementary_bounds.passes(a.low, a.high, 0.25, 0.5, self._doubt(a))
         low, high = np.tan(np.where(pole, 0.0, a.low)), np.tan(np.where(pole, 0.0, a.high))
         error = self.precision.sine * np.maximum(1.0, np.where(pole, 0.0, a.magnitude))
         error = error * (1.0 + np.maximum(low * low, high * high))
@@ -415,14 +410,13 @@ class Arithmetic:
 
     def atan2(self, y: Interval, x: Interval) -> Interval:
         """Bounds of the angle of (x, y); all angles if the box may cross the negative x axis."""
-        corners = [np.arctan2(v, u) for v in y[:2] for u in x[:2]]
-        low, high = _extremes(np.minimum, np.maximum, corners)
+        cut = np.False_
         if not x.positive:
             # Below the negative x axis the angle is −π, above it π. On the axis both are possible, because there are
             # two zeros.
             above = y.low >= 0.0 if y.positive else np.False_
             cut = (x.low <= 0.0) & _holds_zero(y) & ~above
-            low, high = np.where(cut, -np.pi, low), np.where(cut, np.pi, high)
+        low, high = elementary_bounds.angle_bounds(*y[:2], *x[:2], cut)
         return self._rounded(low, high, self.precision.library, _either(x.undefined, y.undefined), y.positive)
 
     def power(self, a: Interval, b: Interval) -> Interval:
@@ -448,17 +442,18 @@ class Arithmetic:
         return self._rounded(low, high, relative, undefined, positive)
 
     def _whole_power(self, a: Interval, exponent: float, undefined) -> Interval:
-        even = exponent % 2.0 == 0.0
-        base = self.abs(a) if even else a
-        ends = np.power(base.low, exponent), np.power(base.high, exponent)
-        low, high = ends if exponent >= 0.0 else ends[::-1]
+        low, high = elementary_bounds.power_bounds(a.low, a.high, exponent)
         if exponent < 0.0:
-            zero = _where_any(_holds_zero(base))
-            if zero is not None:
-                low = np.where(zero, np.power(base.high, exponent) if even else -np.inf, low)
-                high = np.where(zero, np.inf, high)
-                undefined = _either(undefined, zero)
-        return self._rounded(low, high, self._exponential_error(low, high, abs(exponent)), undefined, base.positive)
+            undefined = _either(undefined, _where_any(_holds_zero(a)))
+        positive = a.positive or exponent % 2.0 == 0.0
+        return self._rounded(low, high, self._exponential_error(low, high, abs(exponent)), undefined, positive)
+
+
+def _product_with_infinity(*ends) -> tuple[np.ndarray, np.ndarray]:
+    """As ``elementary_bounds.product_bounds``, where 0 · ∞ is 0."""
+    a_low, a_high, b_low, b_high = np.broadcast_arrays(*ends)
+    corners = [a_low * b_low, a_low * b_high, a_high * b_low, a_high * b_high]
+    return _extremes(np.minimum, np.maximum, [np.where(np.isnan(corner), 0.0, corner) for corner in corners])
 
 
 def _extremes(least, greatest, values) -> tuple[np.ndarray, np.ndarray]:

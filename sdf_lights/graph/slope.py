@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from . import elementary_bounds
 from .formula import Formula
 from .interval_arithmetic import DOUBLE, Arithmetic, Condition, Interval
 
@@ -103,13 +104,10 @@ def unit_bounds(parts: list[Slope]) -> tuple[list[tuple[np.ndarray, np.ndarray]]
     for i, (part, square) in enumerate(zip(parts, squares)):
         rest = [other for j, other in enumerate(squares) if j != i]
         least, most = (sum(other[end] for other in rest) for end in (0, 1))
-        # u/√(u² + rest) grows with u; it moves away from 0 as the rest decreases. At the origin it can be anything.
-        u, v = part.value.low, part.value.high
-        low = u / np.hypot(u, np.sqrt(np.where(u < 0.0, least, most))) * MARGIN
-        high = v / np.hypot(v, np.sqrt(np.where(v > 0.0, least, most))) * MARGIN
-        low = np.where(np.isfinite(low) & (low > 0.0), low / MARGIN**2, low)
-        high = np.where(np.isfinite(high) & (high < 0.0), high / MARGIN**2, high)
-        low, high = np.where(low >= -1.0, low, -1.0), np.where(high <= 1.0, high, 1.0)
+        low, high = (end * MARGIN for end in elementary_bounds.unit_bounds(*part.value[:2], least, most))
+        low = np.where(low > 0.0, low / MARGIN**2, low)
+        high = np.where(high < 0.0, high / MARGIN**2, high)
+        low, high = np.maximum(low, -1.0), np.minimum(high, 1.0)
         units.append((low, high))
     return units, np.sqrt(sum(square.low for square in squares)) / MARGIN
 

@@ -26,7 +26,7 @@ class CyclesVersion(NamedTuple):
     """Differences between versions of Cycles. Before Blender 5.1 it tore meshes along sharp edges. Before 5.0, the bump
     of a mesh with only flat faces started from the displaced faces."""
 
-    tears: bool = False
+    splits_sharp_edges: bool = False
     bumps_moved_faces: bool = False
 
 
@@ -67,8 +67,8 @@ def _materials_of(mesh: Mesh, materials: tuple[int, ...]) -> np.ndarray:
 def _displaced(
     scene: Scene, mesh: Mesh, instance: Instance, material: np.ndarray, moving: list[int], version: CyclesVersion
 ) -> Mesh:
-    if version.tears:
-        mesh = _torn(mesh)
+    if version.splits_sharp_edges:
+        mesh = _split_at_sharp_edges(mesh)
     rows = np.flatnonzero(np.isin(material, moving))
     vertices, first = np.unique(mesh.triangles[rows].ravel(), return_index=True)
     triangles, corners = rows[first // 3], first % 3
@@ -145,7 +145,7 @@ def _vertex_normals(positions: np.ndarray, triangles: np.ndarray, by_angle: bool
     return _unit(total)
 
 
-def _torn(mesh: Mesh) -> Mesh:
+def _split_at_sharp_edges(mesh: Mesh) -> Mesh:
     """The mesh with a separate vertex for each normal that corners have at a vertex."""
     if mesh.normals is None or _at_vertices(mesh) is not None:
         return mesh

@@ -16,6 +16,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..frozen import frozen
+
 MISSING = (1.0, 0.0, 1.0, 1.0)  # magenta is easy to notice, and Cycles shows the same
 
 # Types of pixels, and the value of 1 in each.
@@ -38,7 +40,7 @@ class Image:
     encoded: bool = False
 
 
-@dataclass(frozen=True)
+@frozen
 class Texture:
     """A look-up of an image, or of UDIM tiles.
 

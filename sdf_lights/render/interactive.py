@@ -18,6 +18,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ..frozen import frozen
 from ..interruption import Interrupted, Watch, watched
 from . import sample_allocation
 from .denoise import denoise_film
@@ -57,7 +58,7 @@ class Change(enum.IntEnum):
     ALL = 2
 
 
-@dataclasses.dataclass(frozen=True)
+@frozen
 class Picture:
     """``pixels`` (height, width, RGBA) float32, contiguous, scene-linear, premultiplied, within the range of half
     floats, row 0 at the bottom. They show the part ``window`` (x0, y0, x1, y1) of a frame of ``size`` pixels; each

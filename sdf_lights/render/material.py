@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..frozen import frozen
 from ..graph.formula import Formula, Vector
 from . import bsdfs
 from .images import Texture
@@ -115,7 +116,7 @@ class Node:
         return self.inputs.get(name, NODES[self.kind][name])
 
 
-@dataclass(frozen=True)
+@frozen
 class Attribute:
     """Data of meshes or objects that a formula looks up (``nodes.lookups.attribute``).
 

@@ -7,16 +7,16 @@ The coefficients of overlapping media add up, as in Cycles.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
+
+from ..frozen import frozen
 
 RGB = tuple[float, float, float]
 
 BLACK = (0.0, 0.0, 0.0)
 
 
-@dataclass(frozen=True)
+@frozen
 class Scattering:
     """One way of scattering: ``coefficient`` in 1/m, and a phase function proportional to
 
@@ -31,7 +31,7 @@ class Scattering:
     alpha: float = 0.0
 
 
-@dataclass(frozen=True)
+@frozen
 class Medium:
     """``absorption`` in 1/m, ``emission`` in W/(sr·m³): radiance gained per metre."""
 

@@ -9,10 +9,10 @@ picture has no bias, even if pixels took more or fewer samples.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
+from ..frozen import frozen
 from .film import NO_DEPTH
 from .passes import MATTES, OLD_NAMES, PASSES, Pass, Rule
 
@@ -23,7 +23,7 @@ class MergeError(Exception):
     """One sentence for the user."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Share:
     """The samples of a render: ``count`` of the pattern of ``seed``, from number ``first`` on."""
 
@@ -59,7 +59,7 @@ _BY_NAME = {item.name: item for item in PASSES} | {
 _COLORS = {item.source: item.name for item in PASSES if item.source in {other.per for other in PASSES if other.per}}
 
 
-@dataclass(frozen=True)
+@frozen
 class Layer:
     """The passes of a view layer in a file, (height, width, channels) float32 by the name of the pass, in one view."""
 

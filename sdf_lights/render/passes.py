@@ -6,7 +6,8 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Iterable
-from dataclasses import dataclass
+
+from ..frozen import frozen
 
 
 class Kind(enum.Enum):
@@ -71,7 +72,7 @@ class Owner(enum.Enum):
     OWN = "OWN"  # those of this engine
 
 
-@dataclass(frozen=True)
+@frozen
 class Pass:
     """One pass.
 

@@ -9,9 +9,9 @@ import math
 import sys
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 
 from .. import jit
+from ..frozen import frozen
 from . import memory, sample_allocation
 from .errors import RenderError
 from .film import Film, bytes_of_a_pixel
@@ -24,7 +24,7 @@ from .settings import LARGEST_BATCH, Device, Settings
 FIRST_UPDATE, UPDATE_INTERVAL = 0.25, 1.0
 
 
-@dataclass(frozen=True)
+@frozen
 class Progress:
     """State of a render: ``fraction`` in [0, 1], ``remaining`` seconds (None: not known yet), ``memory`` of the process
     in bytes, ``noise`` as ``Film.noise`` defines it (None: too few samples), ``text`` for the status line."""

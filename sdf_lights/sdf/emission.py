@@ -12,12 +12,12 @@ or a colour. Brightness is relative: a lamp's power says how much light it gives
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
+from ..frozen import frozen
 from ..graph import numpy_evaluation
 from ..graph.formula import PARAMETER, POINT, VARIABLE, Formula, constant, maximum, minimum, order, select
 from ..graph.substitution import substitute
@@ -51,7 +51,7 @@ class Placed(NamedTuple):
         return np.stack(numpy_evaluation.evaluate_all(self.colour, points, self.parameters), axis=-1)
 
 
-@dataclass(frozen=True)
+@frozen
 class Emission:
     """A relative emission in three channels. Its formulas have the ``INPUTS`` and then ``numbers`` in their slots."""
 

@@ -4,8 +4,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from sdf_lights.emitter.intersection import fields
@@ -14,7 +12,7 @@ from sdf_lights.emitter.lamps import SMALLEST_INTERVAL
 from sdf_lights.emitter.tree import crossings, interior, nodes
 from sdf_lights.jit import block_dtype, fill_table, kernel
 from sdf_lights.sdf.program import INSTRUCTION
-from sdf_lights.sdf.shapes.base import Shape, part
+from sdf_lights.sdf.shapes.base import Shape
 from support.rivals import marching
 
 BLOCK = block_dtype({**fields.TABLES, **nodes.TABLES, "lamp_instructions": INSTRUCTION})
@@ -32,30 +30,6 @@ ROW = np.dtype(
     align=True,
 )
 ROWS = 256  # intervals of a ray at most
-
-
-@dataclass(frozen=True)
-class AsField(Shape, abstract=True):
-    """A shape whose closed forms are not used."""
-
-    child: Shape = part("The shape")
-
-    @property
-    def lipschitz(self):
-        return self.child.lipschitz
-
-    @property
-    def certified(self):
-        return self.child.certified
-
-    def build(self, p, slot):
-        return self.child.build(p, slot)
-
-    def terms(self, matrix, factor):
-        return self.child.terms(matrix, factor)
-
-    def bounds(self, matrix=None):
-        return self.child.bounds(matrix)
 
 
 class Traced:

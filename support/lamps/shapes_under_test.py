@@ -22,6 +22,7 @@ from sdf_lights.sdf.shapes import (
     Transformed,
     Union,
 )
+from sdf_lights.sdf.shapes.base import part
 from sdf_lights.sdf.shapes.blends import SmoothUnion
 from sdf_lights.sdf.shapes.fractals import MengerSponge
 from sdf_lights.sdf.shapes.layers import Onion
@@ -33,7 +34,7 @@ from sdf_lights.sdf.shapes.warps import Twist
 class FieldOf(Shape, abstract=True):
     """A shape that hides its closed forms, so that its field is traced, sampled and measured."""
 
-    child: Shape
+    child: Shape = part("The shape")
 
     def build(self, p, slot):
         return self.child.build(p, slot)
@@ -47,6 +48,10 @@ class FieldOf(Shape, abstract=True):
     @property
     def lipschitz(self):
         return self.child.lipschitz
+
+    @property
+    def certified(self):
+        return self.child.certified
 
 
 def moved(x=0.0, y=0.0, z=0.0):

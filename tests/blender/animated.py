@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Objects that move about frame 5, for tests of what motion looks like."""
 
+import math
+
 import bpy
 
 
@@ -18,6 +20,22 @@ def animate(owner, path: str, *values) -> None:
     for curve in curves:
         for point in curve.keyframe_points:
             point.interpolation = "LINEAR"
+
+
+def glowing_square(file, add, quad, material, size, samples: int):
+    """A glowing square before the camera, which Cycles renders with the same filter; its object."""
+    bpy.ops.preferences.addon_enable(module="cycles")
+    made, tree, output = material("Glow")
+    node = tree.nodes.new("ShaderNodeEmission")
+    node.inputs["Strength"].default_value = 3.0
+    tree.links.new(node.outputs[0], output)
+    mesh = quad()
+    mesh.materials.append(made)
+    file.camera.data.lens = 35.0
+    cycles = file.scene.cycles
+    cycles.use_adaptive_sampling = cycles.use_denoising = False
+    cycles.samples, cycles.pixel_filter_type, cycles.max_bounces = samples, "BOX", 1
+    return add("Square", mesh, (0.0, 0.0, 1.0), (math.pi / 2, 0.0, 0.0), size)
 
 
 def lens(camera, **_):

@@ -45,17 +45,23 @@ def _on_row(tree, geometry, count: int):
     return node.outputs[0]
 
 
-def test_instances_of_geometry_nodes_have_their_attributes(synced, add, quad, looks_up):
+def _scattering(add, quad, looks_up):
+    """The tree of an object with geometry nodes, and the output of a tile whose material looks ``tint`` up."""
     obj = add("Scattered", quad())
     tree = bpy.data.node_groups.new("Scatter", "GeometryNodeTree")
     tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
     tile, dressed = tree.nodes.new("GeometryNodeMeshGrid"), tree.nodes.new("GeometryNodeSetMaterial")
     dressed.inputs["Material"].default_value = looks_up("tint", "INSTANCER")
     tree.links.new(tile.outputs["Mesh"], dressed.inputs[0])
-    inner = _stored(tree, _on_row(tree, dressed.outputs[0], 3), "tint", (1.0, 10.0, 0.5))
+    obj.modifiers.new("Scatter", "NODES").node_group = tree
+    return tree, dressed.outputs[0]
+
+
+def test_instances_of_geometry_nodes_have_their_attributes(synced, add, quad, looks_up):
+    tree, tile = _scattering(add, quad, looks_up)
+    inner = _stored(tree, _on_row(tree, tile, 3), "tint", (1.0, 10.0, 0.5))
     outer = _stored(tree, _on_row(tree, inner, 2), "tint", (-1.0, -1.0, -1.0))
     tree.links.new(outer, tree.nodes.new("NodeGroupOutput").inputs[0])
-    obj.modifiers.new("Scatter", "NODES").node_group = tree
     attribute = Attribute("instancer", "tint")
     found = sorted(instance.attributes[attribute].values[0].tolist() for instance in synced().instances)
     assert found == [[float(i), 10.0 * i, 0.5 * i] for i in (0, 0, 1, 1, 2, 2)]  # the innermost counts
@@ -63,20 +69,14 @@ def test_instances_of_geometry_nodes_have_their_attributes(synced, add, quad, lo
 
 def test_instances_with_ids_have_their_own_attributes(synced, add, quad, looks_up):
     """Blender tells instances apart by their attribute ``id``, of any sign, where they have one."""
-    obj = add("Scattered", quad())
-    tree = bpy.data.node_groups.new("Scatter", "GeometryNodeTree")
-    tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
-    tile, dressed = tree.nodes.new("GeometryNodeMeshGrid"), tree.nodes.new("GeometryNodeSetMaterial")
-    dressed.inputs["Material"].default_value = looks_up("tint", "INSTANCER")
-    tree.links.new(tile.outputs["Mesh"], dressed.inputs[0])
-    row = _stored(tree, _on_row(tree, dressed.outputs[0], 3), "tint", (1.0, 10.0, 0.5))
+    tree, tile = _scattering(add, quad, looks_up)
+    row = _stored(tree, _on_row(tree, tile, 3), "tint", (1.0, 10.0, 0.5))
     named, number = tree.nodes.new("GeometryNodeSetID"), tree.nodes.new("ShaderNodeMath")
     number.operation, number.inputs[1].default_value, number.inputs[2].default_value = "MULTIPLY_ADD", -1e6, -7.0
     tree.links.new(tree.nodes.new("GeometryNodeInputIndex").outputs[0], number.inputs[0])
     tree.links.new(number.outputs[0], named.inputs["ID"])
     tree.links.new(row, named.inputs[0])
     tree.links.new(named.outputs[0], tree.nodes.new("NodeGroupOutput").inputs[0])
-    obj.modifiers.new("Scatter", "NODES").node_group = tree
     attribute = Attribute("instancer", "tint")
     found = sorted(instance.attributes[attribute].values[0].tolist() for instance in synced().instances)
     assert found == [[float(i), 10.0 * i, 0.5 * i] for i in range(3)]

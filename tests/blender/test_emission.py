@@ -2,8 +2,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Emission that varies, from Blender's properties to the scene and the picture."""
 
-import types
-
 import bpy
 import numpy as np
 import pytest
@@ -15,6 +13,7 @@ from sdf_lights.sdf.emission import EmissionExpression
 from sdf_lights.sdf.emission_presets import presets
 from sdf_lights.sdf.expression import ExpressionError
 from sdf_lights.sdf.shapes import Sphere
+from tests.blender.layouts import Layout
 
 POINTS = np.random.default_rng(1).uniform(-0.3, 0.3, (50, 3))
 
@@ -23,30 +22,9 @@ def colours(found):
     return found.placed(Sphere(0.5)).evaluate(POINTS)
 
 
-class _Layout:
-    """Takes what a panel draws, as Blender's layout does, and lists the text and the properties."""
-
-    def __init__(self, drawn: list):
-        self.drawn = drawn
-
-    def __getattr__(self, name):
-        if name in ("column", "row"):
-            return lambda **_: self
-        if name == "prop":
-            return lambda owner, path, **options: self.drawn.append(("prop", path, options.get("text")))
-        if name == "label":
-            return lambda text="", icon="NONE": self.drawn.append(("label", text, icon))
-
-        def take(*arguments, **_):
-            self.drawn.append((name, *arguments))
-            return types.SimpleNamespace()
-
-        return take
-
-
 def drawn(data) -> list:
     found: list = []
-    emission_panel.draw(_Layout(found), data, 40)
+    emission_panel.draw(Layout(found), data, 40)
     return found
 
 

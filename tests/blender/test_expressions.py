@@ -3,7 +3,6 @@
 """Expressions as artists meet them: parameters as properties, mistakes in the panel, examples from the menu."""
 
 import math
-import types
 
 import bpy
 import pytest
@@ -14,6 +13,7 @@ from sdf_lights.render.errors import RenderError
 from sdf_lights.sdf import expression
 from sdf_lights.sdf.examples import examples
 from sdf_lights.sdf.shapes import Box, Sphere, Torus
+from tests.blender.layouts import Layout
 
 TEXT = """\
 size = slider(1, 0.5, 3)         # how large it is
@@ -47,32 +47,11 @@ def written(file, add, lamp):
     return run
 
 
-class _Layout:
-    """Takes what a panel draws, as Blender's layout does, and lists the text and the properties."""
-
-    def __init__(self, drawn: list):
-        self.drawn = drawn
-
-    def __getattr__(self, name):
-        if name in ("column", "row", "box"):
-            return lambda **_: self
-        if name == "prop":
-            return lambda owner, path, **options: self.drawn.append(("prop", path, options.get("text")))
-        if name == "label":
-            return lambda text="", icon="NONE": self.drawn.append(("label", text, icon))
-
-        def take(*arguments, **_):
-            self.drawn.append((name, *arguments))
-            return types.SimpleNamespace()
-
-        return take
-
-
 def drawn(data) -> list:
     found: list = []
-    lamp_panels.draw_shape(_Layout(found), data, None, 40)
-    lamp_panels.draw_readout(_Layout(found), data, None, 40)
-    lamp_panels.draw_details(_Layout(found), data, None)
+    lamp_panels.draw_shape(Layout(found), data, None, 40)
+    lamp_panels.draw_readout(Layout(found), data, None, 40)
+    lamp_panels.draw_details(Layout(found), data, None)
     return found
 
 

@@ -10,6 +10,7 @@ import pytest
 from sdf_lights.graph.formula import CALL, Vector, order
 from sdf_lights.render.material import NODES, Attribute
 from sdf_lights.render.reference.nodes import Graph
+from tests.blender.node_trees import new
 
 
 @pytest.fixture
@@ -29,18 +30,6 @@ def surface(synced, add, quad, material):
         return Graph(scene.materials[scene.instances[0].materials[0]]).surface, scene
 
     return run
-
-
-def new(tree, kind: str, **values):
-    """A node with values of its sockets by identifier (``_`` for a space), or with settings."""
-    node = tree.nodes.new(kind)
-    for name, value in values.items():
-        socket = next((socket for socket in node.inputs if socket.identifier == name.replace("_", " ")), None)
-        if socket is None:
-            setattr(node, name, value)
-        else:
-            socket.default_value = value
-    return node
 
 
 def test_principled_has_every_input(surface):

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import pytest
 
-from tests.blender.animated import animate, form, instances, lens
+from tests.blender.animated import animate, form, glowing_square, instances, lens
 
 pytest.importorskip("_cycles")
 
@@ -16,14 +16,7 @@ pytest.importorskip("_cycles")
 @pytest.fixture
 def shot(file, add, quad, material):
     """A glowing square before a dim sky, of which a quarter is darker, and its blur on; the square's object."""
-    bpy.ops.preferences.addon_enable(module="cycles")
-    made, tree, output = material("Glow")
-    node = tree.nodes.new("ShaderNodeEmission")
-    node.inputs["Strength"].default_value = 3.0
-    tree.links.new(node.outputs[0], output)
-    mesh = quad()
-    mesh.materials.append(made)
-    square = add("Square", mesh, (0.0, 0.0, 1.0), (math.pi / 2, 0.0, 0.0), (1.0, 0.5, 1.0))
+    square = glowing_square(file, add, quad, material, (1.0, 0.5, 1.0), 1024)
     world = bpy.data.worlds.new("Sky")
     world.use_nodes = True
     world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.2, 0.3, 0.4, 1.0)
@@ -31,10 +24,6 @@ def shot(file, add, quad, material):
     file.scene.render.use_motion_blur = True
     file.scene.render.motion_blur_shutter = 1.5
     file.scene.frame_set(5)
-    file.camera.data.lens = 35.0
-    cycles = file.scene.cycles
-    cycles.use_adaptive_sampling = cycles.use_denoising = False
-    cycles.samples, cycles.pixel_filter_type, cycles.max_bounces = 1024, "BOX", 1
     return square
 
 

@@ -73,7 +73,7 @@ def test_a_network_has_no_text_and_no_sizes(file, network_lamp, add):
     bpy.context.view_layer.objects.active = obj
     obj.select_set(True)
     bpy.context.view_layer.update()
-    with pytest.raises(RuntimeError, match="the network that the add-on has, which is no file: choose one first"):
+    with pytest.raises(RuntimeError, match="the example of the add-on, which has no file: choose a file first"):
         bpy.ops.sdf_lights.nodes_to_expression()
 
 

@@ -37,7 +37,7 @@ def build(file, add, quad, lamp, material, tmp_path):
     """Function: a file with a textured floor, a ball that bends, a ball that moves, instances, hair, and a lamp."""
 
     def run(persistent: bool):
-        kinds = ("objects", "meshes", "materials", "images", "lights", "hair_curves", "collections")
+        kinds = ("objects", "meshes", "materials", "images", "lights", "hair_curves", "collections", "worlds")
         for collection in (getattr(bpy.data, kind) for kind in kinds):
             for block in [block for block in collection if block is not file.camera]:
                 collection.remove(block)
@@ -68,6 +68,21 @@ def build(file, add, quad, lamp, material, tmp_path):
             point.position, point.radius = (0.15 * curve - 1.5, -0.5, 0.25 * place), 0.02
         add("Hair", hair)
         add("Lamp", lamp(radius=0.3), (0.5, -1.0, 2.0))
+        file.scene.world = sky = bpy.data.worlds.new("Sky")
+        sky.use_nodes = True
+        nodes, links = sky.node_tree.nodes, sky.node_tree.links
+        place, turn, picture_of_sky, gamma = (
+            nodes.new(f"ShaderNode{kind}") for kind in ("TexCoord", "Mapping", "TexEnvironment", "Gamma")
+        )
+        gamma.inputs["Gamma"].default_value = 3.0  # with this, the world is a graph
+        turn.inputs["Rotation"].default_value = (0.2, 0.3, 0.4)
+        picture_of_sky.image = texture.image
+        links.new(place.outputs["Generated"], turn.inputs["Vector"])
+        links.new(turn.outputs["Vector"], picture_of_sky.inputs["Vector"])
+        background = next(node for node in nodes if node.type == "BACKGROUND")
+        background.inputs["Strength"].default_value = 2.0
+        links.new(picture_of_sky.outputs["Color"], gamma.inputs["Color"])
+        links.new(gamma.outputs["Color"], background.inputs["Color"])
         file.scene.render.use_persistent_data = persistent
         file.scene.sdf_lights.device, file.scene.sdf_lights.samples = "CPU", 4
         return file.scene
@@ -93,6 +108,11 @@ def edit_image():
     write_image(bpy.path.abspath(path), (20, 220, 40))
     os.utime(bpy.path.abspath(path), ns=(1, 1))
     bpy.data.images[0].reload()
+
+
+def edit_world():
+    turn = next(node for node in bpy.context.scene.world.node_tree.nodes if node.type == "MAPPING")
+    turn.inputs["Rotation"].default_value = (1.2, 0.3, 0.4)
 
 
 def other_data():
@@ -141,6 +161,7 @@ EDITS = [
     edit_vertices,
     edit_material,
     edit_image,
+    edit_world,
     other_data,
     other_object,
     modifier,

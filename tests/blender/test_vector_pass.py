@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from sdf_lights.blender.naming import ENGINE
-from tests.blender.animated import animate, form, instances, lens
+from tests.blender.animated import animate, form, glowing_square, instances, lens
 
 pytest.importorskip("_cycles")
 HALF = math.pi / 2
@@ -18,20 +18,8 @@ HALF = math.pi / 2
 @pytest.fixture
 def shot(file, add, quad, material):
     """A glowing square, of which the pass Vector is rendered; its object."""
-    bpy.ops.preferences.addon_enable(module="cycles")
-    made, tree, output = material("Glow")
-    node = tree.nodes.new("ShaderNodeEmission")
-    node.inputs["Strength"].default_value = 3.0
-    tree.links.new(node.outputs[0], output)
-    mesh = quad()
-    mesh.materials.append(made)
-    square = add("Square", mesh, (0.0, 0.0, 1.0), (HALF, 0.0, 0.0), (1.2, 0.8, 1.0))
-    file.camera.data.lens = 35.0
     file.layer.use_pass_vector = file.layer.use_pass_z = True
-    cycles = file.scene.cycles
-    cycles.use_adaptive_sampling = cycles.use_denoising = False
-    cycles.samples, cycles.pixel_filter_type, cycles.max_bounces = 64, "BOX", 1
-    return square
+    return glowing_square(file, add, quad, material, (1.2, 0.8, 1.0), 64)
 
 
 def moves(shot, **_):

@@ -7,18 +7,7 @@ import numpy as np
 import pytest
 
 from sdf_lights.render.scene import Ray
-
-
-def new(tree, kind: str, **values):
-    """A node with values of its sockets by identifier (``_`` for a space), or with settings."""
-    node = tree.nodes.new(kind)
-    for name, value in values.items():
-        socket = next((socket for socket in node.inputs if socket.identifier == name.replace("_", " ")), None)
-        if socket is None:
-            setattr(node, name, value)
-        else:
-            socket.default_value = value
-    return node
+from tests.blender.node_trees import new
 
 
 @pytest.fixture

@@ -392,16 +392,28 @@ def test_translucent_surfaces_are_left_to_paths():
     assert abs(one.mean() - other.mean()) < 4.0 * np.sqrt((one.var(ddof=1) + other.var(ddof=1)) / 16)
 
 
-def _pilot(whole: float, before: float = 0.0, time: float = 1.0) -> pilot.Pilot:
-    """Of samples with these variances."""
+def _pilot(whole: float, before: float = 0.0, time: float = 1.0, time_before: float = 1.0) -> pilot.Pilot:
+    """Of samples with these variances, and these times after they split and before."""
     noise = np.random.default_rng(1).chisquare(1, 4000)
-    return pilot.Pilot(np.full(4000, 2.0), whole * noise, before * noise, time)
+    return pilot.Pilot(np.full(4000, 2.0), whole * noise, before * noise, time_before, time)
 
 
 def test_gain_is_error_times_time():
     assert pilot.gain(_pilot(4.0), _pilot(1.0)) == pytest.approx(4.0)
     assert pilot.gain(_pilot(4.0), _pilot(4.0, time=2.0)) == pytest.approx(0.5)
     assert pilot.gain(_pilot(4.0), _pilot(0.0)) == 0.0  # black with light paths: nothing is known
+
+
+def test_gain_is_that_of_the_best_number_of_branches():
+    """However many branches the pilot has."""
+    without, connected = (1.0, 5.0, 2.0, 3.0), (1.0, 2.0, 4.0, 3.0)  # variances before and of a branch, and times
+    numbers = np.linspace(0.1, 100.0, 100_000)
+    best = [((a + b / numbers) * (d + numbers * c)).min() for a, b, c, d in (without, connected)]
+    found = {
+        branches: pilot.gain(*(_pilot(a + b / branches, a, branches * c, d) for a, b, c, d in (without, connected)))
+        for branches in (1, 3, 16)
+    }
+    assert list(found.values()) == pytest.approx([best[0] / best[1]] * 3, rel=1e-3)
 
 
 def test_a_few_bright_pixels_do_not_decide():

@@ -8,8 +8,9 @@ import threading
 import numpy as np
 import pytest
 
-from sdf_lights.graph import codegen_native, formula_text, numpy_evaluation
+from sdf_lights.graph import codegen_native, formula_nodes, formula_text, numpy_evaluation
 from sdf_lights.graph import formula as f
+from sdf_lights.graph.operations import CONDITIONS, OPERATIONS
 from sdf_lights.sdf.shapes import Cone, Torus
 
 x, y, z = f.POINT
@@ -44,12 +45,12 @@ def test_threads_agree_on_one_object():
 
 def test_unused_formulas_are_forgotten():
     gc.collect()
-    before = len(f._known)
+    before = len(formula_nodes._known)
     formula = f.sin(x * 123.456) + f.cos(y * 654.321)
-    assert len(f._known) > before
+    assert len(formula_nodes._known) > before
     del formula
     gc.collect()
-    assert len(f._known) == before
+    assert len(formula_nodes._known) == before
 
 
 @pytest.mark.parametrize(
@@ -121,7 +122,7 @@ def test_random_formulas_keep_their_values_when_simplified():
     """Each is also computed operation by operation, on operands that are often equal, opposite or special constants."""
     rng = np.random.default_rng(4)
     at = rng.integers(-3, 4, (50, 3)) + rng.choice([0.0, 0.25], (50, 3))
-    kinds = [kind for kind in f._RULES if kind != "select"]
+    kinds = [kind for kind in formula_nodes._RULES if kind != "select"]
     tried = 0
     for _ in range(3000):
         parts = [(p, at[:, i]) for i, p in enumerate(f.POINT)]
@@ -129,10 +130,10 @@ def test_random_formulas_keep_their_values_when_simplified():
         for _ in range(rng.integers(2, 7)):
             kind = kinds[rng.integers(len(kinds))]
             chosen = [
-                parts[-1 if rng.random() < 0.5 else rng.integers(len(parts))] for _ in range(f.OPERATIONS[kind].arity)
+                parts[-1 if rng.random() < 0.5 else rng.integers(len(parts))] for _ in range(OPERATIONS[kind].arity)
             ]
             with np.errstate(all="ignore"):
-                value = f.OPERATIONS[kind].meaning(*(v for _, v in chosen))
+                value = OPERATIONS[kind].meaning(*(v for _, v in chosen))
             parts.append((f.apply(kind, *(formula for formula, _ in chosen)), value))
             if not np.isfinite(value).all():
                 break  # a value that is not finite is promised nothing from here on
@@ -184,10 +185,10 @@ def test_conditions_stand_only_in_select():
 
 def _samples():
     """Each operation on operands that reach all of its domain and leave it."""
-    for kind, operation in f.OPERATIONS.items():
+    for kind, operation in OPERATIONS.items():
         if kind == "select":
             yield kind, f.select(x < y, x, z)
-        elif kind in f.CONDITIONS:
+        elif kind in CONDITIONS:
             yield kind, f.select(f.apply(kind, x, y), f.constant(1.0), f.constant(2.0))
         else:
             yield kind, f.apply(kind, *f.POINT[: operation.arity])

@@ -16,6 +16,7 @@ from sdf_lights.graph import codegen_glsl, interval_evaluation, numpy_evaluation
 from sdf_lights.graph import formula as f
 from sdf_lights.graph.gradient import gradient
 from sdf_lights.graph.loops import iterate
+from sdf_lights.graph.operations import CONDITIONS, OPERATIONS
 from support import glsl
 from support.shapes import samples
 
@@ -51,14 +52,14 @@ def _check(formula, points, parameters=(), size: int = 1):
 
 def operations():
     """Each operation, on coordinates and with numbers of each sign."""
-    for kind, operation in f.OPERATIONS.items():
+    for kind, operation in OPERATIONS.items():
         if kind == "select":
             yield kind, f.select(x < y, x - z, z)
-        elif kind in f.CONDITIONS:
+        elif kind in CONDITIONS:
             yield kind, f.select(f.apply(kind, x, y), f.constant(1.0), f.constant(2.0)) + x
         else:
             yield kind, f.apply(kind, *f.POINT[: operation.arity])
-        if operation.arity == 2 and kind not in f.CONDITIONS:
+        if operation.arity == 2 and kind not in CONDITIONS:
             for number in (-2.0, 3.0, 2.5):
                 yield f"{kind} of {number}", f.apply(kind, f.constant(number), x) + y
                 yield f"{kind} by {number}", f.apply(kind, x, f.constant(number)) + y

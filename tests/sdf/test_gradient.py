@@ -9,6 +9,7 @@ from sdf_lights.graph import codegen_native, numpy_evaluation
 from sdf_lights.graph import formula as f
 from sdf_lights.graph.gradient import gradient
 from sdf_lights.graph.loops import iterate
+from sdf_lights.graph.operations import CONDITIONS, OPERATIONS
 from sdf_lights.sdf.shapes.base import EXACT
 from support.shapes import samples
 
@@ -43,10 +44,10 @@ def operations():
         "power": (u * u + 0.1, v),
         "divide": (u, v * v + 0.5),
     }
-    for kind, operation in f.OPERATIONS.items():
+    for kind, operation in OPERATIONS.items():
         if kind == "select":
             yield kind, f.select(u < v, u * v, v - u)
-        elif kind not in f.CONDITIONS:
+        elif kind not in CONDITIONS:
             yield kind, f.apply(kind, *operands.get(kind, (u, v)[: operation.arity]))
     yield "power of a negative number", f.apply("power", u, 17.0)
     yield "power of a parameter", f.apply("power", abs(u) + 0.1, f.parameter(0))

@@ -14,14 +14,15 @@ from sdf_lights.sdf.data.voxels import mesh_grid
 from sdf_lights.sdf.shapes import SHAPES
 from sdf_lights.sdf.shapes.operators import Transformed
 from support import grids
-from support.lamps.rays import AsField, Traced
+from support.lamps.rays import Traced
+from support.lamps.shapes_under_test import FieldOf
 
 COUNTS = np.array([3, 2, 2])  # blocks of a grid of noise
 SIZE = 0.07
 
 
 @dataclass(frozen=True)
-class Searched(AsField, abstract=True):
+class Searched(FieldOf, abstract=True):
     """A grid whose zeros are searched as those of any other field."""
 
     def terms(self, matrix, factor):

@@ -11,6 +11,7 @@ import pytest
 from sdf_lights.graph import codegen_native, interval_evaluation, numpy_evaluation
 from sdf_lights.graph import formula as f
 from sdf_lights.graph.loops import iterate
+from sdf_lights.graph.operations import CONDITIONS, OPERATIONS
 from support.shapes import samples
 
 x, y, z = f.POINT
@@ -19,15 +20,15 @@ INFINITY = float("inf")
 
 def operations():
     """Each operation, on coordinates and with numbers of each sign."""
-    for kind, operation in f.OPERATIONS.items():
+    for kind, operation in OPERATIONS.items():
         if kind == "select":
             yield kind, f.select(x < y, x - z, z)
             yield "select, both conditions", f.select(x <= 0.5, f.select(y < x, f.sqrt(y), z), f.apply("log", x))
-        elif kind in f.CONDITIONS:
+        elif kind in CONDITIONS:
             yield kind, f.select(f.apply(kind, x, y), f.constant(1.0), f.constant(2.0))
         else:
             yield kind, f.apply(kind, *f.POINT[: operation.arity])
-        if operation.arity == 2 and kind not in f.CONDITIONS:
+        if operation.arity == 2 and kind not in CONDITIONS:
             for number in (-2.0, -0.5, 0.0, 2.0, 3.0, 2.5):
                 yield f"{kind} of {number}", f.apply(kind, f.constant(number), x)
                 yield f"{kind} by {number}", f.apply(kind, x, f.constant(number))
@@ -153,7 +154,7 @@ def test_exact_results_are_inside(kind):
     points[::3] = points[::3, [0, 0, 2]] * rng.uniform(0.5, 2.0, (len(points[::3]), 3))
     least, most = interval_evaluation.enclose(f.apply(kind, x, y), points, points)
     for (u, v, _), low, high in zip(points, least, most):
-        exact = f.OPERATIONS[kind].meaning(Fraction(u), Fraction(v))
+        exact = OPERATIONS[kind].meaning(Fraction(u), Fraction(v))
         assert low <= exact <= high
         # Not by more than 3 units in the last place, or the least normal number.
         assert high - low <= 2.0**-50 * abs(exact) + 2.0**-1020

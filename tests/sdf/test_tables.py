@@ -7,12 +7,12 @@ import pickle
 import numpy as np
 import pytest
 
-from sdf_lights.emitter.tree.enclosure_tape import tape
-from sdf_lights.emitter.tree.enclosures import BOXES, DEEPEST_LOOP, SIZE, enclose
 from sdf_lights.graph import codegen_native, interval_evaluation, lipschitz, numpy_evaluation
 from sdf_lights.graph.formula import POINT, Formula, call, length, parameter
 from sdf_lights.graph.functions import Function, TableFunction
 from sdf_lights.graph.gradient import gradient
+from sdf_lights.graph.interval_interpreter import BOXES, DEEPEST_LOOP, SIZE, enclose
+from sdf_lights.graph.interval_tape import tape
 from sdf_lights.graph.tables import table, tables_of
 from sdf_lights.jit import doubles_at, kernel
 

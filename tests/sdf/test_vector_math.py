@@ -7,6 +7,7 @@ import pytest
 
 from sdf_lights.graph import codegen_native, numpy_evaluation
 from sdf_lights.graph import formula as f
+from sdf_lights.graph.operations import OPERATIONS
 
 pytestmark = pytest.mark.skipif(not codegen_native.AVAILABLE, reason="no Numba")
 
@@ -78,7 +79,7 @@ def test_special_operands_give_what_numpy_gives(kind):
     """Alone, and among seven others that are none."""
     rng = np.random.default_rng(13)
     for special in SPECIAL:
-        operands = [rng.uniform(0.1, 0.9, 16) for _ in range(f.OPERATIONS[kind].arity)]
+        operands = [rng.uniform(0.1, 0.9, 16) for _ in range(OPERATIONS[kind].arity)]
         for place in range(len(operands)):
             changed = [o.copy() for o in operands]
             changed[place][3] = special

@@ -93,14 +93,20 @@ def test_weights_become_constant_with_distance(torus, distance, published):
     assert abs(weight.std() / weight.mean() - published) < 6e-4
 
 
-def test_a_wrong_volume_cancels_in_projection_only(lit):
-    """V̂ = 1.05 V: projection sampling keeps its mean, directions of the BSDF lose a factor of exactly 1.05."""
+def with_wrong_volume(lit):
+    """Blocks of the same lamp with a volume that is 5 % too large, and the tables that they read."""
     tables = {name: array.copy() for name, array in lit.tables.items()}
     tables["lamps"]["volume"] *= 1.05
     tables["lamps"]["emission"] /= 1.05
     blocks = lit.blocks.copy()
     for name, array in tables.items():
         fill_table(blocks, name, array)
+    return blocks, tables
+
+
+def test_a_wrong_volume_cancels_in_projection_only(lit):
+    """V̂ = 1.05 V: projection sampling keeps its mean, directions of the BSDF lose a factor of exactly 1.05."""
+    blocks, _tables = with_wrong_volume(lit)
     for technique, ratio in ((Technique.PROJECTION, 1.0), (Technique.POINT, 1.0), (Technique.COSINE, 1.0 / 1.05)):
         right, wrong = (baselines.run(technique, b, 0, ABOVE, DOWN, 50_000, 5).mean for b in (lit.blocks, blocks))
         assert wrong / right == pytest.approx(ratio, rel=1e-12)
@@ -108,11 +114,6 @@ def test_a_wrong_volume_cancels_in_projection_only(lit):
 
 def test_wrong_volume_bounds_the_bias_of_mis(lit):
     """Both techniques together are off by less than the volume is."""
-    tables = {name: array.copy() for name, array in lit.tables.items()}
-    tables["lamps"]["volume"] *= 1.05
-    tables["lamps"]["emission"] /= 1.05
-    blocks = lit.blocks.copy()
-    for name, array in tables.items():
-        fill_table(blocks, name, array)
+    blocks, _tables = with_wrong_volume(lit)
     right, wrong = (baselines.run(Technique.MIS, b, 0, ABOVE, DOWN, SAMPLES, 6) for b in (lit.blocks, blocks))
     assert 1.0 / 1.05 - 1e-3 < wrong.mean / right.mean < 1.0 + 1e-3

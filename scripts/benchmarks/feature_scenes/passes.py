@@ -35,7 +35,20 @@ def passes(scene):
         thing.pass_index = index
     for index, material in enumerate(bpy.data.materials):
         material.pass_index = 10 * index
-    _on([*LOBES, *DATA, "emit", "environment"])
+    _on([*LOBES, *DATA, "emit"])
+
+
+@feature("Passes", all_passes=True)
+def environment(scene):
+    """The world behind a low wall."""
+    wall, tree = bpy.data.objects["Wall"], scene.world.node_tree
+    wall.scale.y, wall.location.z = 0.3, 0.75
+    place, shade = (tree.nodes.new(f"ShaderNodeTex{kind}") for kind in ("Coord", "Gradient"))
+    tree.links.new(place.outputs["Generated"], shade.inputs["Vector"])
+    tree.links.new(
+        shade.outputs["Color"], next(node for node in tree.nodes if node.type == "BACKGROUND").inputs["Color"]
+    )
+    _on(["environment"])
 
 
 @feature("Passes", all_passes=True)

@@ -65,7 +65,7 @@ class SDFLIGHTS_Node_color(ValueNode, bpy.types.Node):
 # -- colour ramp -------------------------------------------------------------------------------------------------------
 
 RAMPS = {"LINEAR": "ramp", "EASE": "ramp_ease", "CONSTANT": "ramp_constant"}
-"""Words by the interpolation of the node."""
+"""The word of the expression language for each interpolation of the node."""
 
 
 def _ramp_inputs(stops: int) -> tuple[tuple[str, str, str], ...]:

@@ -106,9 +106,7 @@ def _described(argument: Argument) -> Parameter:
 
 
 class _WordNode(LampNode):
-    """A call of a word."""
-
-    function: Function
+    """A call of a word, its ``function``."""
 
     def match_interface(self):
         """Adds the inputs that a file of an older version lacks."""
@@ -164,7 +162,7 @@ class _WordNode(LampNode):
 
 
 SUBJECTS = {"text": "body", "path": "path", "object": "object", "image": "image"}
-"""Property of what a node of data names, by what that is."""
+"""The property of a data node that holds its data, for each kind of data."""
 
 
 class _DataNode(_WordNode):

@@ -128,15 +128,22 @@ class SDFLIGHTS_Node_parameter(ValueNode, bpy.types.Node):
         name="Type", description="Type of the property", items=_KIND_ITEMS, update=_kind_changed
     )
     default: bpy.props.FloatProperty(
-        name="Default", description="Value until a lamp has its own", default=1.0, precision=3, update=tag
+        name="Default", description="Value in lamps that do not set the parameter", default=1.0, precision=3, update=tag
     )
     default_angle: bpy.props.FloatProperty(
-        name="Default", description="Value until a lamp has its own", subtype="ANGLE", update=tag
+        name="Default", description="Value in lamps that do not set the parameter", subtype="ANGLE", update=tag
     )
     default_vector: bpy.props.FloatVectorProperty(
-        name="Default", description="Value until a lamp has its own", size=3, subtype="XYZ", precision=3, update=tag
+        name="Default",
+        description="Value in lamps that do not set the parameter",
+        size=3,
+        subtype="XYZ",
+        precision=3,
+        update=tag,
     )
-    default_toggle: bpy.props.BoolProperty(name="Default", description="Value until a lamp has its own", update=tag)
+    default_toggle: bpy.props.BoolProperty(
+        name="Default", description="Value in lamps that do not set the parameter", update=tag
+    )
     minimum: bpy.props.FloatProperty(name="Minimum", description="Least value", default=0.0, precision=3, update=tag)
     maximum: bpy.props.FloatProperty(
         name="Maximum", description="Greatest value", default=10.0, precision=3, update=tag
@@ -287,9 +294,9 @@ class SDFLIGHTS_Node_boolean(ValueNode, bpy.types.Node):
         description="Combination of the conditions",
         update=tag,
         items=[
-            ("AND", "And", "Both hold", 0),
-            ("OR", "Or", "At least one holds", 1),
-            ("NOT", "Not", "The first does not hold", 2),
+            ("AND", "And", "A and B", 0),
+            ("OR", "Or", "A, or B, or both", 1),
+            ("NOT", "Not", "Not A", 2),
         ],
     )
 

@@ -25,7 +25,8 @@ READERS: dict[str, Reader] = {}
 It raises RenderError with a sentence that names the object."""
 
 REMARKS: dict[str, Callable[[bpy.types.Object, object], list[str]]] = {}
-"""By the type of the object: sentences on what of an object, to be shown as a ``Light.sdf_lamp`` says, is not in its lamp."""
+"""By the type of the object: a function of an object and a ``Light.sdf_lamp`` that returns sentences. They name what the lamp
+leaves out of the object."""
 
 KINDS: dict[str, str] = {}  # what Blender calls these types
 
@@ -59,7 +60,7 @@ def shape_of(obj: bpy.types.Object | None, lamp) -> Shape:
     if obj is None:
         raise RenderError("It has no object: choose one in Shape > Object.")
     if obj.type not in READERS:
-        raise RenderError(f"Object '{obj.name}' is no {listed()}: choose another one in Shape > Object.")
+        raise RenderError(f"Object '{obj.name}' is not a {listed()}: choose another one in Shape > Object.")
     depsgraph = _depsgraph.get() or bpy.context.view_layer.depsgraph
     if not obj.is_evaluated:
         obj = obj.evaluated_get(depsgraph)
@@ -67,7 +68,7 @@ def shape_of(obj: bpy.types.Object | None, lamp) -> Shape:
 
 
 def remarks(lamp) -> list[str]:
-    """Sentences on what of its object is not in a lamp."""
+    """Sentences that name what a lamp leaves out of its object."""
     obj = lamp.object if lamp.source == "OBJECT" else None
     return REMARKS[obj.type](obj, lamp) if obj is not None and obj.type in REMARKS else []
 

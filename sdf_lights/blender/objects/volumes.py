@@ -116,7 +116,9 @@ def _shape(module, path: pathlib.Path) -> Shape | str:
     from ...sdf.data.level_set import level_set_grid  # it needs Numba, whose import takes a second
     from ...sdf.data.voxels import GridError
 
-    damaged = f"has the file '{path.name}', which is damaged or is no .vdb file: write it again, or choose another one."
+    damaged = (
+        f"has the file '{path.name}', which is damaged or is not a .vdb file: write it again, or choose another one."
+    )
     try:
         if not is_whole(path):
             return damaged

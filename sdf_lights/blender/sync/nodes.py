@@ -165,7 +165,7 @@ class Reader:
             if not outermost:
                 raise
             self._warn(
-                f"{self._owner}: its chains of nodes are too long, so it is left out: join some of the nodes into one."
+                f"{self._owner}: its chains of nodes are too long, so it is left out: link fewer nodes one after another."
             )
             return None
         finally:

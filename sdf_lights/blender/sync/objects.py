@@ -116,7 +116,7 @@ class _Reader:
         self._notes, self._culling = notes, culling
         self._linking = Linking(depsgraph)
         self._instances = InstanceAttributes()
-        self._flags: dict[int, _Flags] = {}
+        self._flags: dict[tuple[int, int], _Flags] = {}  # by object and instancer
         # By object and mesh, and whether it is hair: index of the mesh, those of its materials, and the attributes that
         # they read.
         self._shown: dict[tuple[int, int, bool], tuple[int | None, tuple[int, ...], set[Attribute]]] = {}
@@ -140,14 +140,7 @@ class _Reader:
             return
         if kind != "LIGHT" and self._culling is not None and self._culling.leaves_out(obj, matrix):
             return
-        flags = self._flags_of(obj)
-        if item.is_instance and item.parent is not None:
-            instancer = self._flags_of(item.parent)
-            flags = _Flags(
-                flags.visibility & instancer.visibility,
-                flags.holdout or instancer.holdout,
-                flags.catcher or instancer.catcher,
-            )
+        flags = self._flags_of(obj, item.parent if item.is_instance else None)
         before = len(self._scene.instances), len(self._scene.lamps), len(self._scene.lights)
         if kind in ("MESH", "CURVES", "POINTCLOUD"):
             self._surface(item, obj, matrix, flags, hair)
@@ -247,10 +240,15 @@ class _Reader:
         else:
             self._scene.lights.append(light)
 
-    def _flags_of(self, obj: bpy.types.Object) -> _Flags:
+    def _flags_of(self, obj: bpy.types.Object, instancer: bpy.types.Object | None = None) -> _Flags:
         original = obj.original
-        key = original.as_pointer()
-        if key not in self._flags:
+        key = original.as_pointer(), 0 if instancer is None else instancer.original.as_pointer()
+        if key not in self._flags and instancer is not None:
+            own, others = self._flags_of(obj), self._flags_of(instancer)
+            self._flags[key] = _Flags(
+                own.visibility & others.visibility, own.holdout or others.holdout, own.catcher or others.catcher
+            )
+        elif key not in self._flags:
             rays = visibility_of(obj)
             if original.indirect_only_get(view_layer=self._view_layer):
                 rays &= ~Ray.CAMERA

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
+from ...frozen import frozen
 from ...render.errors import reason_of
 from ...render.images import LARGEST
 
@@ -24,7 +24,7 @@ CONVERTED_BAND = 1 << 21  # pixels, if colours are converted: the set-up takes a
 _LARGEST_HALF = 65504.0
 
 
-@dataclass(frozen=True)
+@frozen
 class Form:
     """The conversion of a file's pixels.
 

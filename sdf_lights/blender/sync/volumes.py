@@ -51,7 +51,7 @@ class _Volume:
             value = self._number(self.reader.value(socket, outer)[0], like, node, end.name)
             color = (value,) * 3 if isinstance(value, float) else value
             return Medium(emission=_scaled(_positive(color), weight))
-        reading = _SHADERS.get(node.bl_idname)
+        reading = SHADERS.get(node.bl_idname)
         if reading is None:
             self.reader.report(node, "not supported as a volume, so it is left out there")
             return Medium()
@@ -201,7 +201,7 @@ def _mix(inputs: _Sockets, weight: float) -> Medium:
     return _sum(inputs.shader("Shader", weight * (1.0 - factor)), inputs.shader("Shader_001", weight * factor))
 
 
-_SHADERS = {
+SHADERS = {
     "ShaderNodeVolumePrincipled": _principled,
     "ShaderNodeVolumeScatter": _scatter,
     "ShaderNodeVolumeAbsorption": _absorption,

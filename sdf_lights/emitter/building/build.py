@@ -6,12 +6,12 @@ from __future__ import annotations
 
 import functools
 import math
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from ...affine import inverse
+from ...frozen import frozen
 from ...interruption import check, say
 from ...sdf.emission import Emission
 from ...sdf.program import NoClosedForm
@@ -44,7 +44,7 @@ class Measured(NamedTuple):
     tried: Tried
 
 
-@dataclass(frozen=True)
+@frozen
 class BuiltLamp:
     """A lamp ready for packing: its name, one ``LAMP`` row, its program, and its tree unless it is a primitive.
 

@@ -12,11 +12,11 @@ integration"). Points are densest at the ends, where lamps have their bright or 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
+from ...frozen import frozen
 from ...graph.codegen_native import LANES, compiled
 from ...jit import call_field, kernel, stack_array, table
 from ...replaced import replaced_on_gpu
@@ -49,7 +49,7 @@ GOLDEN = 0.6180339887498949
 lamp_glows = table("lamp_glows", GLOW)
 
 
-@dataclass(frozen=True)
+@frozen
 class CompiledEmission:
     """A shape's emission, ready for the kernels. ``code`` owns the memory at ``address``."""
 

@@ -10,10 +10,10 @@ with its sign changed, ``NEGATED`` follows the operand in the list.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
+from ...frozen import frozen
 from ...graph.codegen_native import LANES, compiled
 from ...graph.formula import CALL, CONSTANT, ITERATE, PARAMETER, Formula, body, order
 from ...graph.functions import compiled_part
@@ -56,14 +56,14 @@ lamp_parameters = table("lamp_parameters", np.float64)
 lamp_lists = table("lamp_lists", LIST)
 
 
-@dataclass(frozen=True)
+@frozen
 class CompiledField:
     """A field ready for the kernels. ``code`` owns the memory at the addresses in ``terms`` and ``parameters``."""
 
     source: tuple[Term, ...]
     terms: np.ndarray  # TERM
     parameters: np.ndarray  # float64
-    cares: np.ndarray  # largest distance from zero of the value of each term at which more than its sign matters
+    near_fields: np.ndarray  # largest distance from zero of the value of each term at which more than its sign matters
     gains: np.ndarray  # factor of each term on the Lipschitz bounds of its operands; infinite for leaves
     operations: np.ndarray  # of each term, per point
     costs: np.ndarray  # rough time of each term for LANES points: the same on every machine
@@ -112,16 +112,16 @@ def _gains(terms: list[Term]) -> tuple[np.ndarray, int]:
     return gains, depth
 
 
-def _cares(terms: list[Term]) -> np.ndarray:
-    """``CompiledField.cares``: zero for the field as a whole."""
-    cares, waiting = np.zeros(len(terms)), [0.0]
+def _near_fields(terms: list[Term]) -> np.ndarray:
+    """``CompiledField.near_fields``: zero for the field as a whole."""
+    near_fields, waiting = np.zeros(len(terms)), [0.0]
     for index in range(len(terms) - 1, -1, -1):
-        cares[index] = waiting.pop()
+        near_fields[index] = waiting.pop()
         # An operand farther from zero than the blend width does not bring its value closer to zero than its own. A map
         # may bring any value to zero.
-        needed = cares[index] + terms[index].blend_width if terms[index].arity == 2 else math.inf
+        needed = near_fields[index] + terms[index].blend_width if terms[index].arity == 2 else math.inf
         waiting += [needed] * terms[index].arity
-    return cares
+    return near_fields
 
 
 def _boxes(nodes: list[Formula], parameters: np.ndarray) -> int:
@@ -154,7 +154,7 @@ def compile_terms(terms: list[Term]) -> CompiledField:
         source=tuple(terms),
         terms=rows,
         parameters=np.concatenate(parameters),
-        cares=_cares(terms),
+        near_fields=_near_fields(terms),
         gains=gains,
         operations=np.array([_work(nodes, numbers, 1.0) for nodes, numbers in graphs]),
         costs=np.array([10.0 + 0.7 * _work(nodes, numbers, 50.0) for nodes, numbers in graphs]),

@@ -10,11 +10,11 @@ slower because of it.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
+from ...frozen import frozen
 from ...jit import CallablePart, call_part, kernel, table
 
 SAMPLE, DENSITY = range(2)  # slots of the addresses
@@ -24,7 +24,7 @@ TABLES = {"external_code": np.dtype(np.int64), "external_rows": np.dtype(np.uint
 _code = table("external_code", np.int64)
 
 
-@dataclass(frozen=True)
+@frozen
 class External:
     """Kernels in world space, whose arguments after the workspace are floats, and their tables.
 

@@ -15,10 +15,10 @@ once per shape, and cached: moving a lamp or changing its power costs nothing.
 from __future__ import annotations
 
 import functools
-from dataclasses import dataclass
 
 import numpy as np
 
+from ...frozen import frozen
 from ...graph.codegen_native import evaluate
 from ...graph.formula import CALL, order
 from ...graph.interval_arithmetic import Arithmetic
@@ -53,7 +53,7 @@ class TreeError(ValueError):
     """A shape cannot have a tree: the rest of a sentence that names its lamp."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Tree:
     """The interior tree of a shape, and the data of its lists: a closed-form program or a field."""
 
@@ -119,7 +119,7 @@ def _grow_levels(field: CompiledField, nodes, boxes, levels, lists, known, used,
             grow_field(
                 terms,
                 field.parameters,
-                field.cares,
+                field.near_fields,
                 field.gains,
                 columns,
                 bounds,

@@ -32,14 +32,14 @@ def _negated(out, used):
 
 
 @kernel
-def _winner(family, a, b, change_a, change_b, blend_width, care):
+def _relevant_operand(family, a, b, change_a, change_b, blend_width, near_field):
     """Operand that a join reduces to in a box: 1 or 2, −1 or −2 with its sign changed, 0 if both may matter.
 
     a and b are the operands' values at the centre, which change by at most ``change_a`` and ``change_b`` in the box.
-    For values of the join farther than ``care`` from zero, only the sign counts. For example, a union is known from b
-    if a is greater than ``care`` and the blend width.
+    For values of the join farther than ``near_field`` from zero, only the sign counts. For example, a union is known
+    from b if a is greater than ``near_field`` and the blend width.
     """
-    margin, far = blend_width + change_a + change_b, blend_width + care
+    margin, far = blend_width + change_a + change_b, blend_width + near_field
     above_a, below_a = a - change_a > far, -a - change_a > far
     above_b, below_b = b - change_b > far, -b - change_b > far
     if family == LESSER:
@@ -62,22 +62,22 @@ def _winner(family, a, b, change_a, change_b, blend_width, care):
 
 
 @kernel
-def _without(out, used, start, middle, winner):
-    """Keep the operand ``winner`` of two consecutive lists in ``out``. Returns the new end."""
-    if abs(winner) == 1:
+def _keep_operand(out, used, start, middle, relevant):
+    """Keep the operand ``relevant`` of two consecutive lists in ``out``. Returns the new end."""
+    if abs(relevant) == 1:
         used = middle
     else:
         for index in range(middle, used):
             out[start + index - middle] = out[index]
         used += start - middle
-    return used if winner > 0 else _negated(out, used)
+    return used if relevant > 0 else _negated(out, used)
 
 
 @kernel
 def prune_field(
     terms,
     parameters,
-    cares,
+    near_fields,
     gains,
     columns,
     bounds,
@@ -96,7 +96,7 @@ def prune_field(
 
     ``stack`` holds the centres and gets the values, as in ``fields.run_terms``. Row i of ``out`` (LANES, count) gets
     the list of box i, ``used[i]`` its length, and ``slopes[i]`` a Lipschitz bound of the field of that list there. That
-    field is as far from zero as the whole one, or farther. ``cares`` and ``gains`` are those of
+    field is as far from zero as the whole one, or farther. ``near_fields`` and ``gains`` are those of
     ``fields.CompiledField``. A term without a Lipschitz bound for all of space has one for these boxes in the column
     ``columns[term]`` of ``bounds``. ``starts`` and ``steepness`` are scratch, (LANES, DEEPEST).
     """
@@ -123,19 +123,21 @@ def prune_field(
             elif term.arity == 2:
                 place = VALUES + depth * LANES + lane
                 slope_a, slope_b = steepness[lane, depth], steepness[lane, depth + 1]
-                chosen = _winner(
+                chosen = _relevant_operand(
                     term.family,
                     stack[place],
                     stack[place + LANES],
                     radius * slope_a,
                     radius * slope_b,
                     term.blend_width,
-                    cares[number],
+                    near_fields[number],
                 )
                 slope = min(slope, gains[number] * max(slope_a, slope_b))
                 if chosen != 0:
                     slope = slope_a if abs(chosen) == 1 else slope_b
-                    used[lane] = _without(out[lane], used[lane], starts[lane, depth], starts[lane, depth + 1], chosen)
+                    used[lane] = _keep_operand(
+                        out[lane], used[lane], starts[lane, depth], starts[lane, depth + 1], chosen
+                    )
             else:
                 starts[lane, depth] = used[lane]
             if chosen == 0:

@@ -9,10 +9,10 @@ ray, so that only the values at both ends are needed (see ``cover``).
 For that, bounds at the zeros of the field alone are enough: between two zeros through which it falls, there is one
 through which it rises. Functions of tables know these, which are closer, so boxes that have parts get them.
 
-The terms of a box's list are bounded in turn (see ``enclosures``), with a stack of operands. A join f(a, b) has the
-gradient f_a ∇a + f_b ∇b. If the signs of f_a and f_b are certain, that is |f_a| + |f_b| times an average of ±∇a and
-±∇b. The derivative of f(a + z, b ± z) along z is that sum, without the cancelling parts. So both operands may have any
-share in a smooth union, and the bounds are still no wider than those of the two.
+The terms of a box's list are bounded in turn (see ``graph.interval_interpreter``), with a stack of operands. A join
+f(a, b) has the gradient f_a ∇a + f_b ∇b. If the signs of f_a and f_b are certain, that is |f_a| + |f_b| times an
+average of ±∇a and ±∇b. The derivative of f(a + z, b ± z) along z is that sum, without the cancelling parts. So both
+operands may have any share in a smooth union, and the bounds are still no wider than those of the two.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ import math
 
 import numpy as np
 
+from ...graph.interval_interpreter import BOXES, DEEPEST_LOOP, SIZE, enclose
+from ...graph.interval_kernels import ROUNDING, margin_of_rounding, product_bounds
+from ...graph.interval_tape import Tape, tape, with_zero_bounds
 from ...graph.lipschitz import discontinuous, may_be_discontinuous
 from ...jit import kernel
 from ...sdf.shapes.base import Family
 from ..intersection.fields import DEEPEST, NEGATED, CompiledField
-from .enclosure_tape import Tape, tape, with_zero_bounds
-from .enclosures import BOXES, DEEPEST_LOOP, SIZE, enclose
-from .interval_kernels import ROUNDING, product_bounds
 from .parallel import TASKS, in_parallel
 
 # operations on boxes, about 40 ms, times ``boxes`` of the field; below that, boxes have no bounds of their own
@@ -149,10 +149,10 @@ def bound(instructions, places, terms, parameters, lists, first, count, boxes, c
     for box in range(len(chosen)):
         for axis in range(3):
             low, high = stack[0, 2 + 2 * axis, box], stack[0, 3 + 2 * axis, box]
-            margin = ROUNDING * max(abs(low), abs(high)) if abs(low) + abs(high) < math.inf else 0.0
+            margin = margin_of_rounding(low, high)
             out[chosen[box], 0, axis], out[chosen[box], 1, axis] = low - margin, high + margin
         low, high = stack[0, 0, box], stack[0, 1, box]
-        margin = ROUNDING * max(abs(low), abs(high)) if abs(low) + abs(high) < math.inf else 0.0
+        margin = margin_of_rounding(low, high)
         values[chosen[box], 0], values[chosen[box], 1] = low - margin, high + margin
 
 

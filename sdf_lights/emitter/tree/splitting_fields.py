@@ -50,7 +50,7 @@ def _eighths(box, axes, position):
 def grow_field(
     terms,
     parameters,
-    cares,
+    near_fields,
     gains,
     columns,
     bounds,
@@ -68,8 +68,9 @@ def grow_field(
     """Split the leaves on the boundary among the nodes from ``first`` to ``last`` into eight parts each.
 
     ``levels`` holds the depth of each node, ``known`` the lists (see ``store_list``), ``used`` the numbers of nodes and
-    of rows of lists in use, ``mass`` the volumes of all leaves that are full and of those on the boundary. ``cares``,
-    ``gains``, ``columns`` and the rows of ``bounds``, one for each node, are those of ``pruning.prune_field``.
+    of rows of lists in use, ``mass`` the volumes of all leaves that are full and of those on the boundary.
+    ``near_fields``, ``gains``, ``columns`` and the rows of ``bounds``, one for each node, are those of
+    ``pruning.prune_field``.
     """
     stack = stack_array(STACK)
     axes = np.empty(3, np.int64)
@@ -88,7 +89,7 @@ def grow_field(
         prune_field(
             terms,
             parameters,
-            cares,
+            near_fields,
             gains,
             columns,
             bounds[index],

@@ -15,10 +15,10 @@ differences of their surroundings, so the estimated variance is rather too large
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
+from ...frozen import frozen
 from ...interruption import SLICE, check
 from ...jit import kernel, stack_array
 from ..hashing import following, uniform_point
@@ -40,7 +40,7 @@ BINS = 16  # of sizes of leaves, for each split
 SEED = 1
 
 
-@dataclass(frozen=True)
+@frozen
 class Volume:
     """``value`` in m³ is off by ``error`` or more with a probability of one in 10,000; ``low`` and ``high`` are
     certain."""

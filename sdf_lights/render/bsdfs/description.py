@@ -6,7 +6,9 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
+
+from ...frozen import frozen
 
 
 class Group(enum.Enum):
@@ -17,7 +19,7 @@ class Group(enum.Enum):
     OTHER = "other"  # reflection or transmission, by the side on which light leaves
 
 
-@dataclass(frozen=True)
+@frozen
 class Lobe:
     """A lobe of a node: its ``closures``, by name. ``when`` (setting, value) selects this lobe; None: no other lobe is
     selected."""
@@ -27,7 +29,7 @@ class Lobe:
     when: tuple[str, str] | None = None
 
 
-@dataclass(frozen=True)
+@frozen
 class Bsdf:
     """A node of ``material.NODES`` whose closures are in a module of ``kernels/shading/special/``.
 

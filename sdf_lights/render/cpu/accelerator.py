@@ -14,6 +14,7 @@ import ctypes
 import numpy as np
 
 from ..errors import RenderError
+from ..identity import Same
 from ..kernels.lights import shadow_bits
 from ..kernels.ray_origins import SHAPE, filter_address
 from ..kernels.rays import NONE, QUERY, masks_of, world_positions
@@ -265,23 +266,10 @@ def _forms(mesh: Mesh) -> list[np.ndarray]:
     return [mesh.positions] if mesh.motion is None else list(mesh.motion)
 
 
-class _Same:
-    """An array that is equal only to itself, and stays alive so that no other gets its address."""
-
-    def __init__(self, array: np.ndarray | None):
-        self._array = array
-
-    def __eq__(self, other):
-        return self._array is other._array
-
-    def __hash__(self):
-        return id(self._array)
-
-
 def _form_of(mesh: Mesh) -> tuple:
     """What decides an Embree scene of a mesh in its own space."""
     arrays = (mesh.positions, mesh.triangles, mesh.radii, mesh.motion, mesh.motion_radii)
-    return (*map(_Same, arrays), mesh.primitive, mesh.subdivisions)
+    return (*map(Same, arrays), mesh.primitive, mesh.subdivisions)
 
 
 def _signature(scene: Scene, transparent: np.ndarray, deep: np.ndarray | None) -> tuple | None:
@@ -289,14 +277,15 @@ def _signature(scene: Scene, transparent: np.ndarray, deep: np.ndarray | None) -
     if scene.kept is None:
         return None
     masks = masks_of(scene.instances, transparent, shadow_bits(scene))
-    forms = [_form_of(mesh) for mesh in scene.meshes]
-    return tuple(
+    scattering = set() if deep is None else set(np.flatnonzero(deep).tolist())
+    instances = [
         (
-            forms[instance.mesh],
+            instance.mesh,
             np.asarray(instance.matrix).tobytes(),
-            _Same(instance.motion),
+            Same(instance.motion),
             mask,
-            deep is not None and any(deep[material] for material in instance.materials),
+            scattering.isdisjoint(instance.materials),
         )
         for instance, mask in zip(scene.instances, masks)
-    )
+    ]
+    return [_form_of(mesh) for mesh in scene.meshes], instances

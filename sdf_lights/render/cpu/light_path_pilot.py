@@ -2,17 +2,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Whether light paths pay: two samples of a few pixels without them are compared with two samples with them.
 
-Both take the same number of branches, and are compared by the product of error and time. Time is counted in surfaces
-that rays meet, as in ``sample_allocation.py``. It is never measured, so a seed gives one picture on all machines. The
-pilots have films of their own, so the picture without light paths is as if they had never been there.
+Both are compared by the product of error and time, each with the best number of branches for it: with connections,
+paths need fewer. Time is counted in surfaces that rays meet, as in ``sample_allocation.py``. It is never measured, so a
+seed gives one picture on all machines. The pilots have films of their own, so the picture without light paths is as if
+they had never been there.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from ...frozen import frozen
 from ..film import Film
 from ..sample_allocation import golden_ratio_sequence, own_cost
 from .light_paths import LightPaths
@@ -25,7 +25,7 @@ PART, MOST, FEWEST = 0.005, 4096, 96
 MOST_COST = 0.03
 # Error × time without light paths over that with them, from which on they are used: noisy estimates promise too much.
 # What they must promise before they are tried.
-GAIN, LEAST_POTENTIAL = 1.3, 1.5
+GAIN, LEAST_POTENTIAL = 1.2, 1.5
 OUTLIERS = 0.01  # part of the pilot pixels that a second comparison leaves out: a few bright ones must not decide
 FLOOR = 0.05  # part of the mean square brightness that is added to the squares which errors are relative to
 
@@ -49,15 +49,16 @@ def is_affordable(pixels: np.ndarray, light_paths: LightPaths, film: Film, sampl
     return light_paths.has_lamps() or cost <= MOST_COST * samples * np.count_nonzero(film.active)
 
 
-@dataclass(frozen=True)
+@frozen
 class Pilot:
     """What the samples of the pilot pixels tell: (pixels,) sums of RGB, the variance of a sample, and that of what it
-    has before its path splits; and the time of a sample, in surfaces that rays meet."""
+    has before its path splits; and the time of a sample before it splits and after that, in surfaces that rays meet."""
 
     sums: np.ndarray
     whole: np.ndarray
     before: np.ndarray
-    time: float
+    time_before: float
+    time_after: float
 
     @classmethod
     def of(cls, film: Film, pixels: np.ndarray) -> Pilot:
@@ -69,7 +70,16 @@ class Pilot:
             np.maximum(squares - sums**2 / SAMPLES, 0.0) / (SAMPLES - 1)
             for squares, sums in ((of_all, total), (of_before, before))
         )
-        return cls(total, whole, first, own_cost(film) + film.divided[:, 2].sum() / max(film.count.sum(), 1))
+        return cls(total, whole, first, own_cost(film), film.divided[:, 2].sum() / max(film.count.sum(), 1))
+
+    def error_times_time(self, weights: np.ndarray) -> float:
+        """Of samples that split into the best number of branches, with the errors of pixels times ``weights``.
+
+        n branches take n times the time, and leave one nth of the variance, so their product is that of any number
+        (Bolin and Meyer 1997, "An error metric for Monte Carlo ray tracing")."""
+        before = max(float(weights @ self.before), 0.0)
+        after = max(float(weights @ self.whole) - before, 0.0)
+        return (np.sqrt(before * self.time_before) + np.sqrt(after * self.time_after)) ** 2
 
 
 def _weights(sums: np.ndarray) -> np.ndarray:
@@ -95,6 +105,6 @@ def gain(without: Pilot, connected: Pilot) -> float:
         products = []
         for pilot in (without, connected):
             noise = weights * pilot.whole
-            products.append(float(noise[noise <= np.quantile(noise, 1.0 - part)].sum()) * pilot.time)
+            products.append(pilot.error_times_time(np.where(noise <= np.quantile(noise, 1.0 - part), weights, 0.0)))
         found.append(products[0] / products[1] if products[1] > 0.0 else 0.0)
     return min(found)

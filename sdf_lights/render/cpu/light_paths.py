@@ -22,7 +22,7 @@ from ..kernels.light_paths.records import (
     ONLY_DIFFUSE,
     VERTEX,
 )
-from ..kernels.light_paths.trace import dim_unseen, find_pilots, trace_light_paths
+from ..kernels.light_paths.trace import find_pilots, trace_light_paths, weight_by_visibility
 from ..kernels.lights.kinds import KINDS, TRIANGLE
 from ..kernels.outputs.records import LOBES
 from ..kernels.shading.material_records import (
@@ -75,7 +75,7 @@ SCATTERED = Ray.DIFFUSE | Ray.GLOSSY | Ray.TRANSMISSION | Ray.SHADOW
 BY_PATH = {"ray_kind", "ray_length", "ray_singular", "depth"}  # what a material may ask of the ray that meets it
 
 
-def can_connect(scene: Scene, packed: PackedScene) -> bool:
+def supports_light_paths(scene: Scene, packed: PackedScene) -> bool:
     """Whether connections may take light from paths, and whether that is asked for, if ``powers_of`` and
     ``materials_of`` allow it: see ``tables_of``.
 
@@ -97,8 +97,12 @@ def can_connect(scene: Scene, packed: PackedScene) -> bool:
         and vertices_of(scene, packed) <= MOST_VERTICES
         and (settings.transparent_bounces > 0 or not block["transparent_shadows"])
         and all(
-            each.visibility & SCATTERED in (SCATTERED, 0) and each.receivers == each.blockers == ALL_SETS
-            for each in scene.instances
+            rays & SCATTERED in (SCATTERED, 0) and receivers == blockers == ALL_SETS
+            for rays, receivers, blockers in {
+                # As integers: operations of enumerations take long, and there may be many thousands of instances.
+                (int(each.visibility), each.receivers, each.blockers)
+                for each in scene.instances
+            }
         )
         and not block["has_media"]
         and not packed.moves
@@ -118,7 +122,7 @@ def can_connect(scene: Scene, packed: PackedScene) -> bool:
 
 def tables_of(scene: Scene, packed: PackedScene) -> dict[str, np.ndarray] | None:
     """The tables of a scene's light paths that all of them share; None if they cannot be used, or should not."""
-    if not can_connect(scene, packed):
+    if not supports_light_paths(scene, packed):
         return None
     powers, materials = powers_of(scene, packed), materials_of(packed)
     if not (powers.any() and materials[_used(scene)].all()):
@@ -167,7 +171,9 @@ def powers_of(scene: Scene, packed: PackedScene) -> np.ndarray:
             rows = emitters["kind"] == kind
             found[rows] = module.flux(packed.table(module.TABLE))[emitters["index"][rows]]
     triangles = packed.table("light_triangles")
-    glow = np.array([_is_everywhere(instance) for instance in scene.instances] or [False])
+    glow = np.zeros(len(scene.instances) or 1, bool)
+    for index in np.unique(triangles["instance"]):
+        glow[index] = _is_everywhere(scene.instances[index])
     found[emitters["kind"] == TRIANGLE] = (
         np.abs(triangles["radiance"]).mean(axis=1) * 2.0 * math.pi * triangles["area"] * glow[triangles["instance"]]
     )
@@ -304,7 +310,7 @@ class LightPaths:
         pilots = pilots[: find_pilots(scene, scratch, self._scene.width, self._scene.height, pilots)]
         nodes, tops, count, top_count = np.zeros(NODES, NODE), np.zeros(MOST_TOPS, np.int64), 0, 0
         if len(vertices) and len(pilots):
-            dim_unseen(scene, scratch, vertices, pilots)
+            weight_by_visibility(scene, scratch, vertices, pilots)
             count, top_count = tree.build(vertices, pilots, nodes, tops)
         self._fixed = {
             "light_path_nodes": nodes[:count].copy(),

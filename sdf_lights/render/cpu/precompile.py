@@ -102,7 +102,7 @@ def _special() -> tuple[list, Callable[[], None]]:
     records = BLOCK, WORKSPACE
     kernels = [
         *(kernel for kernel, _ in light_path_code.KERNELS.values()),
-        *(tree.build, tree.place, trace.trace_light_paths, trace.find_pilots, trace.dim_unseen),
+        *(tree.build, tree.place, trace.trace_light_paths, trace.find_pilots, trace.weight_by_visibility),
         *(kernel for kernel, _ in media_code.KERNELS.values()),
         *subsurface_code.KERNELS.values(),
         *(kernel for _, kernel, _ in output_code.KERNELS.values()),

@@ -4,13 +4,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
+from ...frozen import frozen
 
-@dataclass(frozen=True)
+
+@frozen
 class Array:
     """Elements in sequence; ``inner`` is the type of each: a scalar's name, a ``Record``, an ``Array``."""
 
@@ -39,7 +40,7 @@ class Array:
         return self.inner
 
 
-@dataclass(frozen=True)
+@frozen
 class Record:
     """Layout of a NumPy record. ``packed``: as a structure of GLSL, not in the buffer."""
 

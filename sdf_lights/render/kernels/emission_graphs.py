@@ -4,12 +4,15 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 
 import numpy as np
 
 from ...jit import address_of_record, call_surface_code, fill_table, kernel, table
 from ...vec import madd, mul, negate, put
+from ..identity import Same
+from ..scene import Scene
 from . import camera, lights, textures
 from .path import path_table, put_depths
 from .shading.graphs import Graphs
@@ -21,6 +24,8 @@ from .world_sun import WorldMap, find_disc
 
 MAP_ROWS = 512  # of the map of a world's nodes; more if its images have more
 MOST_MAP_ROWS = 2048
+_READ = ("constants", "emissions", *camera.TABLES, *textures.TABLES)  # by a world's nodes
+_KEPT = "world map"
 
 SCALARS = [("emission_graphs", np.int64)]  # 1: lights or the world have varying nodes
 
@@ -115,6 +120,22 @@ def _fill_map(block, workspace, graph, slots, directions, values, map):
             map[row, column] = _brightness(block, workspace, graph, slots, d)
 
 
+def kept_world_map(
+    scene: Scene, tables: dict[str, np.ndarray], graphs: Graphs, block: np.dtype, rows: int
+) -> WorldMap | None:
+    """``world_map``, or that of the scene's last frame if nothing has changed that it depends on."""
+    graph = tables["emissions"]["graph"][0]
+    if scene.kept is None or graph == NO_GRAPH:
+        return world_map(tables, graphs, block, rows)
+    numbers = hashlib.blake2b(b"".join(tables[name].tobytes() for name in _READ))
+    key = rows, graphs.structures[graph], numbers.digest(), [Same(image.pixels) for image in scene.images]
+    before, found = scene.kept.get(_KEPT, (None, None))
+    if before != key:
+        found = world_map(tables, graphs, block, rows)
+        scene.kept[_KEPT] = key, found
+    return found
+
+
 def world_map(tables: dict[str, np.ndarray], graphs: Graphs, block: np.dtype, rows: int) -> WorldMap | None:
     """The map of the world's nodes for light sampling; None without nodes. ``rows`` are those of its images.
 
@@ -124,7 +145,7 @@ def world_map(tables: dict[str, np.ndarray], graphs: Graphs, block: np.dtype, ro
     if record["graph"] == NO_GRAPH:
         return None
     own = np.zeros(1, block)
-    for name in ("constants", "emissions", *camera.TABLES, *textures.TABLES):
+    for name in _READ:
         fill_table(own, name, tables[name])
     work = np.zeros(1, WORKSPACE)
     surface, registers = np.zeros(1, SURFACE), np.zeros(REGISTERS)

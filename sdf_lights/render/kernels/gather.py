@@ -35,7 +35,7 @@ from .workspace import cut_of, hit_table, light_cut_of, spans_of
 
 
 @kernel
-def _is_alone(block, path, emitter):
+def _missed_by_light_rays(block, path, emitter):
     """Whether no light rays find the emission that the path's ray meets: they stop at a surface that it has passed, or
     the light's bounces are used up. As in Cycles, it counts as if light rays added the rest."""
     return (block.stops_light_rays != 0 and path.stopped != 0) or not lights.may_light(block, emitter, path.bounce - 1)
@@ -60,7 +60,7 @@ def _mis(block, workspace, emitter, pdf):
         emitter,
         light_cut_of(workspace),
     )
-    if _is_alone(block, path, emitter):  # the power heuristic of Cycles
+    if _missed_by_light_rays(block, path, emitter):  # the power heuristic of Cycles
         return path.pdf * path.pdf / (path.pdf * path.pdf + pmf * pmf * pdf * pdf)
     return path.pdf / (path.pdf + pmf * pdf)
 
@@ -202,7 +202,7 @@ def gather_world(block, workspace):
         return
     pdf = 0.0
     if path.pdf > 0.0:
-        if _is_alone(block, path, world):
+        if _missed_by_light_rays(block, path, world):
             pdf = lights.pdf_in_cycles(block, vec(path.origin), direction)
         else:
             pdf = lights.world_pdf(block, vec(path.origin), vec(path.normal), direction)

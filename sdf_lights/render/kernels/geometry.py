@@ -188,13 +188,15 @@ def pack_geometry(scene: Scene, baked: np.ndarray) -> dict[str, np.ndarray]:
         instances[name] = [getattr(instance, name) for instance in scene.instances]
     instances["color"] = np.array([instance.color for instance in scene.instances]).reshape(-1, 4)
     slots = {}
-    for index, instance in enumerate(scene.instances):
-        record = instances[index]
+    for instance in scene.instances:
         if instance.materials not in slots:
             slots[instance.materials] = rows["instance_materials"].add(np.array(instance.materials, np.int32))
-        record["materials"], record["material_count"] = slots[instance.materials], len(instance.materials)
-        record["attributes"] = attributes.place(instance, scene.meshes[instance.mesh])
+    instances["materials"] = [slots[instance.materials] for instance in scene.instances]
+    instances["material_count"] = [len(instance.materials) for instance in scene.instances]
+    instances["attributes"] = [attributes.place(each, scene.meshes[each.mesh]) for each in scene.instances]
+    for index, instance in enumerate(scene.instances):
         if instance.motion is not None:
+            record = instances[index]
             record["poses"] = rows["instance_poses"].add(instance.motion[:, :3])
             record["pose_count"], record["time"] = len(instance.motion), NO_TIME
     tables = {name: part.join() for name, part in rows.items()}

@@ -124,7 +124,7 @@ def emitter_tables(
     """Tables of the lamps ``built`` from ``sources``, of the tree by which rays find them, and of all other lights.
     With ``elsewhere``, the trees hold at all times."""
     rows = max((image.pixels.shape[0] for image in scene.images), default=0) if scene.world.emission is not None else 0
-    world_map = emission_graphs.world_map(materials | camera.pack_camera(scene), graphs, BLOCK, rows)
+    world_map = emission_graphs.kept_world_map(scene, materials | camera.pack_camera(scene), graphs, BLOCK, rows)
     lamp_tables = lamps.pack_lamps(built)
     rows = lamp_tables["lamps"]
     low, high = lamp_boxes([lamp_tables, *(elsewhere.tables if elsewhere else ())])
@@ -281,8 +281,9 @@ def emissive_triangles(scene: Scene, materials: np.ndarray) -> lights.Triangles:
         or [True]
     )
     parts: list[tuple] = []
+    emitting = set(np.flatnonzero(emits).tolist())
     for index, instance in enumerate(scene.instances):
-        if not emits[list(instance.materials)].any():
+        if emitting.isdisjoint(instance.materials):
             continue
         mesh = scene.meshes[instance.mesh]
         if mesh.primitive != Primitive.TRIANGLES:  # only found by chance, as in Cycles

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
+from ...frozen import frozen
 from ...graph.formula import CALL, CONSTANT, Formula, order
 from ..nodes.variables import POSITION
 from ..sky.model import HALF_ANGLE, SUN
@@ -18,7 +18,7 @@ from ..sky.model import HALF_ANGLE, SUN
 LEAST_SHARE, MOST_SHARE = 0.1, 0.9  # of samples, to the sun
 
 
-@dataclass(frozen=True)
+@frozen
 class WorldMap:
     """The map of a world for light sampling: ``values`` (rows, columns), and a disc that gets the share ``sun_share``
     of samples. ``sun_radiance`` is the disc's mean brightness."""
@@ -35,7 +35,7 @@ class WorldMap:
         return _mean(self.values) + 0.5 * (1.0 - math.cos(self.half_angle)) * self.sun_radiance
 
 
-@dataclass(frozen=True)
+@frozen
 class Disc:
     """Unit vector to the sun, and the angle from there to its edge."""
 

@@ -346,11 +346,11 @@ class Builder:
                 transmission=white,
             ),
             thickness=np.where(film > THINNEST_FILM, film, 0.0),
-            film=np.maximum(self.points.input(node, "thin_film_ior"), 1e-5),
+            film_ior=np.maximum(self.points.input(node, "thin_film_ior"), 1e-5),
         )
         r, t = side.fresnel(cosine)
         bent = np.sqrt(np.maximum(1.0 - (1.0 - cosine**2) / ior**2, 0.0))
-        inner = as_facets(side, ior=1.0 / ior, film=side.film / ior)
+        inner = as_facets(side, ior=1.0 / ior, film_ior=side.film_ior / ior)
         back, out = (
             np.where(covered(side)[:, None], inside, outside) for inside, outside in zip(inner.fresnel(bent), (r, t))
         )

@@ -25,7 +25,7 @@ def frame_about(n: np.ndarray, tangent: np.ndarray) -> tuple[np.ndarray, np.ndar
 
 class Facets(Microfacet):
     """Microfacets of roughness ``alpha`` along ``tangent`` (N, 3) and ``across`` it, of the GGX distribution or of
-    Beckmann's (``beckmann``), under a film where its ``thickness`` (N,) in nanometres is not 0, with index ``film``
+    Beckmann's (``beckmann``), under a film where its ``thickness`` (N,) in nanometres is not 0, with index ``film_ior``
     (N,).
 
     The Fresnel term may be CONDUCTOR, too, of indices ``n`` and ``k`` (N, 3).
@@ -103,9 +103,9 @@ class Facets(Microfacet):
         return np.where(covered[:, None], r, bare[0]), np.where(covered[:, None], t, bare[1])
 
     def _under_film(self, cosine):
-        inner = 1.0 + (self.film - 1.0) * _smooth(self.thickness)
+        inner = 1.0 + (self.film_ior - 1.0) * _smooth(self.thickness)
         if self.term == DIELECTRIC:
-            f = film(cosine, inner, np.repeat(self.ior[:, None], 3, 1), self.thickness)
+            f = thin_film_reflectance(cosine, inner, np.repeat(self.ior[:, None], 3, 1), self.thickness)
             bottom = f0_of_ior(self.ior)[:, None]
             near = np.clip((1.0 - f) / (1.0 - bottom), 0.0, 1.0)
             whole = (f == 1.0).all(1, keepdims=True) | (bottom <= 1e-5)
@@ -116,9 +116,9 @@ class Facets(Microfacet):
             return f * self.reflection, (1.0 - f) * self.transmission * open_
         if self.term == F82:
             at_82 = f82(np.full(len(cosine), 1.0 / 7.0), self.f0, self.tint)
-            f = film(cosine, inner, gulbrandsen(self.f0, at_82), self.thickness, at_82)
+            f = thin_film_reflectance(cosine, inner, gulbrandsen(self.f0, at_82), self.thickness, at_82)
         else:
-            f = film(cosine, inner, self.n + 1j * self.k, self.thickness)
+            f = thin_film_reflectance(cosine, inner, self.n + 1j * self.k, self.thickness)
         return f, np.zeros_like(f)
 
 
@@ -149,7 +149,7 @@ def gulbrandsen(r, g):
     return n + 1j * np.sqrt(np.maximum((r * (n + 1.0) ** 2 - (n - 1.0) ** 2) / (1.0 - r), 0.0))
 
 
-def film(cosine, inner, index, thickness, at_82=None):
+def thin_film_reflectance(cosine, inner, index, thickness, at_82=None):
     """Reflectance (N, 3) of media of ``index`` (N, 3) below a film of index ``inner`` (N,), by wavelengths.
 
     Belcour and Barla 2017, equation 10, up to the third order. ``at_82``: reflectances at 82° of metals of F82-Tint.

@@ -53,7 +53,7 @@ def as_facets(lobe: Microfacet, **changes) -> Facets:
         "tangent": np.zeros((count, 3)),
         "beckmann": False,
         "thickness": np.zeros(count),
-        "film": np.ones(count),
+        "film_ior": np.ones(count),
         **changes,
     }
     return Facets(**values)
@@ -67,9 +67,9 @@ def principled_facets(points, node: Node, lobe: Microfacet, backfacing: np.ndarr
     if not np.any(anisotropy > 0.0) and not np.any(thickness > THINNEST_FILM):
         return lobe
     film = np.maximum(points.input(node, "thin_film_ior"), 1e-5)
-    changes = dict(thickness=np.where(thickness > THINNEST_FILM, thickness, 0.0), film=film)
+    changes = dict(thickness=np.where(thickness > THINNEST_FILM, thickness, 0.0), film_ior=film)
     if lobe.transmits:
-        changes["film"] = np.where(backfacing, film * lobe.ior, film)
+        changes["film_ior"] = np.where(backfacing, film * lobe.ior, film)
     elif np.any(anisotropy > 0.0):
         aspect = np.sqrt(1.0 - 0.9 * anisotropy)
         axis, turns = points.normal(node), points.input(node, "anisotropic_rotation")
@@ -124,7 +124,7 @@ def metal_facets(points, node: Node, lobe: Microfacet) -> Facets:
     changes = dict(
         beckmann=node.settings.get("distribution", "MULTI_GGX") == "BECKMANN",
         thickness=np.where(thickness > THINNEST_FILM, thickness, 0.0),
-        film=np.maximum(points.input(node, "thin_film_ior"), 1e-5),
+        film_ior=np.maximum(points.input(node, "thin_film_ior"), 1e-5),
     )
     if np.any(anisotropy > 0.0):
         aspect = np.sqrt(1.0 - 0.9 * anisotropy)
@@ -148,5 +148,5 @@ def glass_facets(points, node: Node, lobe: Microfacet, backfacing: np.ndarray) -
         lobe,
         beckmann=beckmann,
         thickness=np.where(thickness > THINNEST_FILM, thickness, 0.0),
-        film=np.where(backfacing, film * lobe.ior, film),
+        film_ior=np.where(backfacing, film * lobe.ior, film),
     )

@@ -7,17 +7,16 @@ A ``Sky`` holds the node's settings. ``numbers`` converts them to the numbers th
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from ...frozen import frozen
 from . import kernels
 from .model import MODELS, Sky, numbers
 
 __all__ = ["MODELS", "Sky", "Sun", "numbers", "radiance", "sky_map", "sun_of"]
 
 
-@dataclass(frozen=True)
+@frozen
 class Sun:
     """The disc of a sky's sun: unit vector to its middle, angle from there to its edge (radians), and the mean of its
     radiance over its solid angle, RGB, without the part hidden by the horizon."""

@@ -6,10 +6,10 @@ from __future__ import annotations
 
 import functools
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
+from ...frozen import frozen
 from . import hosek_wilkie, multiple_scattering, preetham, single_scattering
 
 MODELS = ("PREETHAM", "HOSEK_WILKIE", "NISHITA", "SINGLE_SCATTERING", "MULTIPLE_SCATTERING")
@@ -27,7 +27,7 @@ _EARTH = 6_371_000.0  # radius for the horizon that hides the sun, metres
 _KEPT = 4  # cached tables of earlier settings
 
 
-@dataclass(frozen=True)
+@frozen
 class Sky:
     """A sky texture: names, units and meaning are those of Blender's node.
 

@@ -44,3 +44,22 @@ def tree(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         nodes[level : 2 * level, :dimensions] = children[:, :, :dimensions].min(axis=1)
         nodes[level : 2 * level, dimensions:] = children[:, :, dimensions:].max(axis=1)
     return order, nodes
+
+
+def descent(distance: str, size: int, point: str) -> str:
+    """GLSL that puts both children of ``node`` on the stack, the nearer one on top.
+
+    ``distance`` is the name of a function of a box's place in the table and of ``point``; a box has ``size`` numbers.
+    """
+    return f"""\
+int near = 2 * node;
+            int far = near + 1;
+            float d_near = {distance}(table + 2 + {size} * near, {point});
+            float d_far = {distance}(table + 2 + {size} * far, {point});
+            bool turned = d_far < d_near;
+            stack[depth] = turned ? near : far;
+            distances[depth] = max(d_near, d_far);
+            stack[depth + 1] = turned ? far : near;
+            distances[depth + 1] = min(d_near, d_far);
+            depth += 2;
+            continue;"""

@@ -15,10 +15,10 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
+from ...frozen import frozen
 from ...graph.formula import Formula, Vector, call
 from ...graph.functions import Function, TableFunction
 from ...graph.tables import Table, table
@@ -449,7 +449,7 @@ def grid_tables(
     return table(np.concatenate([head, coarse.ravel(), places.ravel(), masks.ravel()])), table(voxels)
 
 
-@dataclass(frozen=True)
+@frozen
 class Grid(Shape, abstract=True):
     """What a signed distance grid is negative in."""
 

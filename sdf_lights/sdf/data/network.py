@@ -24,10 +24,10 @@ import dataclasses
 import math
 import pathlib
 import zipfile
-from dataclasses import dataclass
 
 import numpy as np
 
+from ...frozen import frozen
 from ...graph.formula import Formula, Vector, call, clamp, maximum
 from ...graph.functions import Function, TableFunction, evaluate
 from ...graph.tables import Table, table
@@ -496,7 +496,7 @@ def _steepest(numbers: Table, box: np.ndarray) -> float:
         high = np.where(corner, parts[:, 1], middle).reshape(-1, 3)
 
 
-@dataclass(frozen=True)
+@frozen
 class Network(Shape, abstract=True):
     """What a network is negative in, within its box."""
 

@@ -12,13 +12,14 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
+from ...frozen import frozen
 from ...graph.formula import Formula, Vector, call
 from ...graph.functions import Function, TableFunction
+from ...graph.interval_kernels import square_bounds, unit_bounds
 from ...graph.tables import Table, table
 from ...jit import doubles_at, kernel, stack_array
 from ..shapes.base import LARGEST, Slots, number
@@ -108,13 +109,8 @@ def outline_slope(address, x, y):
 @kernel
 def _part(low, high, other_low, other_high):
     """Bounds of u/√(u² + v²) for u and v within bounds."""
-    if low <= 0.0 <= high and other_low <= 0.0 <= other_high:
-        return -1.0, 1.0
-    least = 0.0 if other_low <= 0.0 <= other_high else min(abs(other_low), abs(other_high))
-    most = max(abs(other_low), abs(other_high))
-    a = low / math.hypot(low, least if low < 0.0 else most)
-    b = high / math.hypot(high, least if high > 0.0 else most)
-    return a, b
+    least, most = square_bounds(other_low, other_high)
+    return unit_bounds(low, high, least, most)
 
 
 @kernel
@@ -212,17 +208,7 @@ float outline(int table, float x, float y)
             continue;
         }
         if (node < leaves) {
-            int near = 2 * node;
-            int far = near + 1;
-            float d_near = outline_box(table + 2 + 4 * near, x, y);
-            float d_far = outline_box(table + 2 + 4 * far, x, y);
-            bool turned = d_far < d_near;
-            stack[depth] = turned ? near : far;
-            distances[depth] = max(d_near, d_far);
-            stack[depth + 1] = turned ? far : near;
-            distances[depth + 1] = min(d_near, d_far);
-            depth += 2;
-            continue;
+            {descent}
         }
         int at = segments + (node - leaves) * 24;
         for (int row = 0; row < 4; row++) {
@@ -245,7 +231,7 @@ float outline(int table, float x, float y)
     }
     return side * sqrt(best);
 }
-"""
+""".replace("{descent}", boxes.descent("outline_box", 4, "x, y"))
 
 OUTLINE = TableFunction(
     "outline",
@@ -273,7 +259,7 @@ def outline_table(segments: np.ndarray) -> Table:
     return table(np.concatenate([head, nodes.ravel(), rows.ravel()]))
 
 
-@dataclass(frozen=True)
+@frozen
 class Outline(Profile, abstract=True):
     """A region of the plane with an edge of straight segments, and what lies within ``offset`` of it."""
 

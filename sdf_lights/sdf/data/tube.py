@@ -11,18 +11,18 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
+from ...frozen import frozen
 from ...graph.formula import Formula, Vector, call
 from ...graph.functions import Function, TableFunction
+from ...graph.interval_kernels import square_bounds, unit_bounds
 from ...graph.tables import Table, table
 from ...jit import doubles_at, kernel, stack_array
 from ..shapes.base import BOUND, LARGEST, SMALLEST, Shape, Slots
 from . import boxes
-from .outline import _part
 
 _HEAD = 2  # numbers before the boxes: of leaves, and where segments begin
 _ROW = 9  # numbers of a segment: an end, its radius, the direction, the length, and k
@@ -134,14 +134,8 @@ def tube_along_bounds(address, x_low, x_high, y_low, y_high, z_low, z_high):
 @kernel
 def _axis(low, high, b_low, b_high, c_low, c_high):
     """Bounds of u/√(u² + v² + w²)."""
-    least = 0.0 if b_low <= 0.0 <= b_high else min(abs(b_low), abs(b_high))
-    other = 0.0 if c_low <= 0.0 <= c_high else min(abs(c_low), abs(c_high))
-    most = math.hypot(max(abs(b_low), abs(b_high)), max(abs(c_low), abs(c_high)))
-    return (
-        _part(low, high, math.hypot(least, other), most)
-        if least > 0.0 or other > 0.0
-        else _part(low, high, -most, most)
-    )
+    b, c = square_bounds(b_low, b_high), square_bounds(c_low, c_high)
+    return unit_bounds(low, high, b[0] + c[0], b[1] + c[1])
 
 
 @kernel
@@ -231,17 +225,7 @@ vec3 tube_nearest(int table, vec3 point)
             continue;
         }
         if (node < leaves) {
-            int near = 2 * node;
-            int far = near + 1;
-            float d_near = tube_box(table + 2 + 6 * near, point);
-            float d_far = tube_box(table + 2 + 6 * far, point);
-            bool turned = d_far < d_near;
-            stack[depth] = turned ? near : far;
-            distances[depth] = max(d_near, d_far);
-            stack[depth + 1] = turned ? far : near;
-            distances[depth + 1] = min(d_near, d_far);
-            depth += 2;
-            continue;
+            {descent}
         }
         int at = segments + (node - leaves) * 36;
         for (int row = 0; row < 4; row++) {
@@ -266,7 +250,7 @@ float tube(int table, float x, float y, float z)
 {
     return tube_nearest(table, vec3(x, y, z)).x;
 }
-"""
+""".replace("{descent}", boxes.descent("tube_box", 6, "point"))
 
 _ALONG_GLSL = """\
 float tube_along(int table, float x, float y, float z)
@@ -334,7 +318,7 @@ def _along(lengths: np.ndarray) -> np.ndarray:
     return np.column_stack([ends[:-1], ends[1:]])
 
 
-@dataclass(frozen=True)
+@frozen
 class Tube(Shape, abstract=True):
     """A round tube along curves, whose radius may change: all balls along them. The distance is exact outside."""
 

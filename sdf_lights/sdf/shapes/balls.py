@@ -10,10 +10,10 @@ of the true one and one of them attains it, so the greater one is the distance.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
+from ...frozen import frozen
 from ...graph.formula import Formula, Vector, clamp, length, maximum, minimum, select
 from ..program import Op, combine, primitive
 from . import support
@@ -44,7 +44,7 @@ def circular_sector(across: Formula, along: Formula, radius: Formula, sine: Form
     return maximum(beyond_arc, select(beyond_side > 0.0, to_side, -to_side))
 
 
-@dataclass(frozen=True)
+@frozen
 class SolidAngle(Primitive):
     """The part of a ball inside a cone whose tip is at the centre.
 
@@ -76,7 +76,7 @@ class SolidAngle(Primitive):
         return within_cone(ball, matrix, self.angle, self.radius)
 
 
-@dataclass(frozen=True)
+@frozen
 class CutSphere(Primitive):
     """A ball with a flat bottom, cut off by a plane."""
 
@@ -111,7 +111,7 @@ class CutSphere(Primitive):
         return combine(Op.INTERSECTION, [ball, half_space(matrix, (0.0, 0.0, -1.0), -self.cut)])
 
 
-@dataclass(frozen=True)
+@frozen
 class Hemisphere(Primitive):
     """The upper half of a ball: a dome."""
 
@@ -133,7 +133,7 @@ class Hemisphere(Primitive):
         return self._cut_sphere().program(matrix)
 
 
-@dataclass(frozen=True)
+@frozen
 class CutHollowSphere(Primitive):
     """A bowl: a hollow ball without its upper part, with a round rim."""
 
@@ -186,7 +186,7 @@ class CutHollowSphere(Primitive):
         return combine(Op.UNION, [wall, primitive(Op.TORUS, placed(matrix, z=self.cut), (rim, half_wall))])
 
 
-@dataclass(frozen=True)
+@frozen
 class DeathStar(Primitive):
     """A ball with a round dent made by another ball above it."""
 
@@ -238,7 +238,7 @@ class DeathStar(Primitive):
         return combine(Op.DIFFERENCE, [ball, dent])
 
 
-@dataclass(frozen=True)
+@frozen
 class Lens(Primitive):
     """A lens with two round faces and a sharp rim: the intersection of two equal balls."""
 

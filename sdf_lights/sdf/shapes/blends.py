@@ -22,12 +22,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
+from ...frozen import frozen
 from ...graph.formula import POINT, Formula, Vector, apply, maximum, minimum, sqrt
 from ...interruption import check
 from .base import Family, Shape, Slots, Term, number, part
@@ -190,7 +190,7 @@ def _family(name: str, seam: str, drop: Callable, greatest: Callable, **numbers)
             "profile": Profile(drop, greatest),
             **{key: make() for key, make in numbers.items()},
         }
-        made.append(dataclass(frozen=True, init=False)(type(name + kind, (base,), namespace)))
+        made.append(frozen(type(name + kind, (base,), namespace)))
     return made
 
 
@@ -243,7 +243,7 @@ StairsUnion, StairsIntersection, StairsDifference = _family(
 )
 
 
-@dataclass(frozen=True)
+@frozen
 class Morph(Composite):
     """A shape between two others: a mixture of their fields.
 

@@ -14,10 +14,10 @@ the half plane) are measured without their part along the wire, of direction τ:
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
+from ...frozen import frozen
 from ...graph.formula import Formula, Vector, atan2, clamp, cos, floor, length, maximum, minimum, select, sin, sqrt
 from .base import BOUND, Slots, number
 from .primitives import Primitive, corner
@@ -184,7 +184,7 @@ class _Coil(Primitive, abstract=True):
 _TURNS = dict(unit="NONE", minimum=0.05, maximum=100.0, soft_maximum=10.0)
 
 
-@dataclass(frozen=True)
+@frozen
 class Helix(_Coil):
     """A wire wound around the z axis, centred: a coil spring. Its ends are round.
 
@@ -200,7 +200,7 @@ class Helix(_Coil):
         return self.radius, self.radius, self.pitch * self.turns
 
 
-@dataclass(frozen=True)
+@frozen
 class Spiral(_Coil):
     """A wire wound around the z axis whose distance from the axis changes on its way up. It is flat for a height of 0.
 
@@ -222,7 +222,7 @@ class Spiral(_Coil):
         return super().relation()
 
 
-@dataclass(frozen=True)
+@frozen
 class TorusKnot(Primitive):
     """A closed wire on a torus around the z axis: a knot, or a chain if the two numbers of turns have a common divisor.
 
@@ -308,7 +308,7 @@ class TorusKnot(Primitive):
         return _of_sections(directions, turn, center) + between * np.linalg.norm(directions, axis=1)
 
 
-@dataclass(frozen=True)
+@frozen
 class MobiusBand(Primitive):
     """A band around the z axis that is twisted on its way. With one half turn, or any odd number, it has a single side.
 

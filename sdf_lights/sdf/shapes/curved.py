@@ -5,10 +5,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
+from ...frozen import frozen
 from ...graph.formula import Formula, Vector, length, maximum, power, select
 from ..program import Op, combine, primitive
 from . import support
@@ -23,7 +23,7 @@ _TINY = 1e-150  # far below any relevant length; its square is not 0
 _SHARPEST = 20.0  # exponent: at an edge of a superellipsoid that is nearly a box
 
 
-@dataclass(frozen=True)
+@frozen
 class Vesica(Primitive):
     """A pod along z, pointed at both ends: an arc revolved about its chord.
 
@@ -54,7 +54,7 @@ class Vesica(Primitive):
         return self._revolution().support(directions)
 
 
-@dataclass(frozen=True)
+@frozen
 class Egg(Primitive):
     """An egg along z: two balls and between them an arc that touches both, without a crease.
 
@@ -137,7 +137,7 @@ def _drop(matrix: np.ndarray | None, radius: float, height: float) -> np.ndarray
     return combine(Op.UNION, [primitive(Op.SPHERE, placed(matrix), (radius,)), cone])
 
 
-@dataclass(frozen=True)
+@frozen
 class Droplet(Primitive):
     """A drop along z: a ball at −height/2 that narrows to a point at +height/2."""
 
@@ -168,7 +168,7 @@ class Droplet(Primitive):
         return _drop(placed(matrix, z=-0.5 * self.height), self.radius, self.height)
 
 
-@dataclass(frozen=True)
+@frozen
 class Heart(Primitive):
     """A heart of two drops that lean apart from one point at the bottom.
 
@@ -235,7 +235,7 @@ class Heart(Primitive):
         return combine(Op.UNION, drops)
 
 
-@dataclass(frozen=True)
+@frozen
 class Superellipsoid(Primitive):
     """A form between a double pyramid, an ellipsoid and a box, set by two exponents.
 

@@ -9,11 +9,11 @@ S) / (1 + S).
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
+from ...frozen import frozen
 from ...graph.formula import POINT, Formula, Vector, cos
 from ...graph.loops import iterate
 from ..noise import PERIOD, STEEPEST, value_noise
@@ -75,7 +75,7 @@ class Displaced(Operator, abstract=True):
         return self._guarded.growth(matrix) * (1.0 + self._slope)
 
 
-@dataclass(frozen=True)
+@frozen
 class WaveDisplacement(Displaced):
     """The surface moved in and out by standing waves: the product of a cosine along each axis."""
 
@@ -103,7 +103,7 @@ class WaveDisplacement(Displaced):
         return math.tau / min(self.wavelength)
 
 
-@dataclass(frozen=True)
+@frozen
 class NoiseDisplacement(Displaced):
     """The surface displaced by noise: octaves of it, each half as large and twice as fine as the one before."""
 

@@ -7,11 +7,11 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
+from ...frozen import frozen
 from ...graph import interval_evaluation, lipschitz
 from ...graph.formula import ITERATE, PARAMETER, POINT, Formula, Vector, maximum, order, parameter
 from ...graph.substitution import substitute
@@ -42,7 +42,7 @@ def _compact(formula: Formula, values: Sequence[float]) -> tuple[Formula, tuple[
     return substitute(formula, POINT, slots), tuple(kept(values[slot]) for slot in used)
 
 
-@dataclass(frozen=True)
+@frozen
 class Field(Shape, abstract=True):
     """The region in which a formula is negative. Not in ``SHAPES``: artists write the formula.
 
@@ -97,7 +97,7 @@ class Field(Shape, abstract=True):
         return "" if self.cut is None else self.cut.check()
 
 
-@dataclass(frozen=True)
+@frozen
 class FieldDisplacement(Displaced, abstract=True):
     """A shape whose surface is displaced by a formula of the point: outwards where it is positive.
 

@@ -10,11 +10,11 @@ increases the distance of two points, so the Lipschitz bound of the child stays.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import cache, cached_property
 
 import numpy as np
 
+from ...frozen import frozen
 from ...graph.formula import Vector, apply, cos, length, minimum, sin
 from ..program import NoClosedForm
 from .base import EXACT, LARGEST, SMALLEST, Shape, number, part
@@ -108,7 +108,7 @@ class Fold(Folded, abstract=True):
         return images_program(Intersection(self.child, *walls), self._places, matrix)
 
 
-@dataclass(frozen=True)
+@frozen
 class Mirror(Fold):
     """The part of a shape on one side of a plane through the origin, and its mirror image on the other side.
 
@@ -165,7 +165,7 @@ class Mirror(Fold):
         return super().program(matrix)
 
 
-@dataclass(frozen=True)
+@frozen
 class Kaleidoscope(Fold):
     """The part of a shape in a wedge along the z axis, repeated in all sectors of a circle, every other one mirrored.
 
@@ -241,7 +241,7 @@ def _group(mirrors) -> np.ndarray:
     return np.array(list(found.values()))
 
 
-@dataclass(frozen=True)
+@frozen
 class TetrahedralFold(Coxeter):
     """The part of a shape in one of 24 chambers, repeated with the mirror symmetry of a tetrahedron.
 
@@ -254,7 +254,7 @@ class TetrahedralFold(Coxeter):
     child: Shape = part("Shape of which the part in the chamber is repeated")
 
 
-@dataclass(frozen=True)
+@frozen
 class OctahedralFold(Coxeter):
     """The part of a shape in one of 48 chambers, repeated with the mirror symmetry of a cube and an octahedron.
 
@@ -267,7 +267,7 @@ class OctahedralFold(Coxeter):
     child: Shape = part("Shape of which the part in the chamber is repeated")
 
 
-@dataclass(frozen=True)
+@frozen
 class IcosahedralFold(Coxeter):
     """The part of a shape in one of 120 chambers, repeated with the mirror symmetry of an icosahedron and a
     dodecahedron.

@@ -15,10 +15,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
+from ...frozen import frozen
 from ...graph.formula import Formula, Vector, length, maximum, select
 from ...graph.loops import iterate
 from ..program import Op
@@ -78,7 +78,7 @@ class Flake(Primitive, abstract=True):
         return self._solid().support(directions)
 
 
-@dataclass(frozen=True)
+@frozen
 class SierpinskiTetrahedron(Flake):
     """Four tetrahedra of half the size in the corners of one, and so on: the tetrix of Sierpiński."""
 
@@ -99,7 +99,7 @@ class SierpinskiTetrahedron(Flake):
         return 0.5
 
 
-@dataclass(frozen=True)
+@frozen
 class OctahedronFlake(Flake):
     """Six octahedra of half the size in the corners of one, and so on."""
 
@@ -120,7 +120,7 @@ class OctahedronFlake(Flake):
         return 0.5
 
 
-@dataclass(frozen=True)
+@frozen
 class IcosahedronFlake(Flake):
     """Twelve icosahedra in the corners of one, each as large as possible without overlap, and so on."""
 
@@ -142,7 +142,7 @@ class IcosahedronFlake(Flake):
         return 1.0 / (1.0 + GOLDEN)
 
 
-@dataclass(frozen=True)
+@frozen
 class DodecahedronFlake(Flake):
     """Twenty dodecahedra in the corners of one, each as large as possible without overlap, and so on."""
 
@@ -164,7 +164,7 @@ class DodecahedronFlake(Flake):
         return 1.0 / (2.0 + GOLDEN)
 
 
-@dataclass(frozen=True)
+@frozen
 class CantorDust(Flake):
     """Eight blocks in the corners of one, and so on: in each direction, a line without its middle."""
 
@@ -196,7 +196,7 @@ class CantorDust(Flake):
 # -- holes ------------------------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
+@frozen
 class MengerSponge(Primitive):
     """A cube with a square hole from each face to the opposite one, each of its 20 parts with such holes, and so on."""
 
@@ -241,7 +241,7 @@ def _folded_at_sixty(u: Formula, v: Formula) -> tuple[Formula, Formula]:
     return u + left * sine, v - left * cosine
 
 
-@dataclass(frozen=True)
+@frozen
 class KochCurve(Profile):
     """The inside of Koch's curve: a triangle with a smaller one on the middle of each side, and so on.
 
@@ -274,7 +274,7 @@ class KochCurve(Profile):
         return (directions @ (self.radius * np.array([np.cos(angles), np.sin(angles)]))).max(axis=1)
 
 
-@dataclass(frozen=True)
+@frozen
 class KochSnowflake(Prismatic):
     """A snowflake with thickness: a triangle with a smaller one on the middle of each side, and so on."""
 
@@ -304,7 +304,7 @@ def _angles(default: tuple[float, float, float], description: str):
     return number(default, description, unit="ANGLE", minimum=-math.tau, maximum=math.tau, soft_maximum=math.pi)
 
 
-@dataclass(frozen=True)
+@frozen
 class Kifs(Shape):
     """A kaleidoscope of blocks: mirrors, rotations and a scaling, repeated.
 

@@ -4,11 +4,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
+from ...frozen import frozen
 from ...graph.formula import POINT, Formula, Vector, clamp
 from .base import LARGEST, Family, Shape, Slots, Term, number, part
 from .operators import Folded, Operator, guarded, level_bounds
@@ -52,7 +52,7 @@ class Layer(Operator, abstract=True):
         return self._guarded.growth(matrix)
 
 
-@dataclass(frozen=True)
+@frozen
 class Offset(Layer):
     """The shape with its surface moved outwards, or inwards by a negative offset.
 
@@ -74,7 +74,7 @@ class Offset(Layer):
         return field - slot(self.offset * factor)
 
 
-@dataclass(frozen=True)
+@frozen
 class Round(Layer):
     """The shape with its outer edges rounded; it grows on all sides by the radius."""
 
@@ -92,7 +92,7 @@ class Round(Layer):
         return field - slot(self.radius * factor)
 
 
-@dataclass(frozen=True)
+@frozen
 class Onion(Layer):
     """A wall along the surface of the shape, hollow inside: half of it outside the surface, half inside."""
 
@@ -106,7 +106,7 @@ class Onion(Layer):
         return abs(field) - slot(0.5 * self.thickness * factor)
 
 
-@dataclass(frozen=True)
+@frozen
 class Shell(Layer):
     """The shape hollowed: a wall inside its surface."""
 
@@ -121,7 +121,7 @@ class Shell(Layer):
         return abs(field + half) - half
 
 
-@dataclass(frozen=True)
+@frozen
 class Elongate(Folded):
     """The shape cut along the planes through its origin, with the parts moved apart and the gaps filled."""
 

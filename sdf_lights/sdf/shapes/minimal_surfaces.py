@@ -15,14 +15,14 @@ Gitterpunkten", 1964). They are within 1 % of the least ones.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
+from ...frozen import frozen
 from ...graph.formula import Formula, Vector, cos, maximum, sin
 from .base import BOUND, Shape, Slots, number
 from .primitives import Box
 
 
-@dataclass(frozen=True)
+@frozen
 class PeriodicSheet(Shape, abstract=True):
     """A sheet around a periodic surface inside a block. The surface divides space into two endless mazes."""
 
@@ -69,7 +69,7 @@ def _total(v: Vector) -> Formula:
     return v.x + v.y + v.z
 
 
-@dataclass(frozen=True)
+@frozen
 class Gyroid(PeriodicSheet):
     """A sheet along the gyroid of Schoen, cut to a block: it twists in every direction and has no straight line.
 
@@ -84,7 +84,7 @@ class Gyroid(PeriodicSheet):
         return sine.dot(_cycle(cosine))
 
 
-@dataclass(frozen=True)
+@frozen
 class SchwarzP(PeriodicSheet):
     """A sheet along the primitive surface of Schwarz, cut to a block: rooms with six openings, in a cubic grid.
 
@@ -97,7 +97,7 @@ class SchwarzP(PeriodicSheet):
         return _total(cosine)
 
 
-@dataclass(frozen=True)
+@frozen
 class SchwarzD(PeriodicSheet):
     """A sheet along the diamond surface of Schwarz, cut to a block: rooms with four openings, as atoms in diamond.
 
@@ -110,7 +110,7 @@ class SchwarzD(PeriodicSheet):
         return _product(cosine) - _product(sine)
 
 
-@dataclass(frozen=True)
+@frozen
 class Neovius(PeriodicSheet):
     """A sheet along the surface of Neovius, cut to a block: rooms with openings towards twelve edges of a cube.
 
@@ -123,7 +123,7 @@ class Neovius(PeriodicSheet):
         return _total(cosine) * 3.0 + _product(cosine) * 4.0
 
 
-@dataclass(frozen=True)
+@frozen
 class SchoenIwp(PeriodicSheet):
     """A sheet along the I-WP surface of Schoen, cut to a block: rooms with openings towards eight corners of a cube.
 
@@ -136,7 +136,7 @@ class SchoenIwp(PeriodicSheet):
         return cosine.dot(_cycle(cosine)) * 2.0 - _total(_doubled(cosine))
 
 
-@dataclass(frozen=True)
+@frozen
 class SchoenFrd(PeriodicSheet):
     """A sheet along the F-RD surface of Schoen, cut to a block: rooms with openings to twelve and to eight sides.
 
@@ -150,7 +150,7 @@ class SchoenFrd(PeriodicSheet):
         return _product(cosine) * 4.0 - doubled.dot(_cycle(doubled))
 
 
-@dataclass(frozen=True)
+@frozen
 class FischerKochS(PeriodicSheet):
     """A sheet along the S surface of Fischer and Koch, cut to a block: finer passages than those of the gyroid.
 
@@ -164,7 +164,7 @@ class FischerKochS(PeriodicSheet):
         return doubled.x * sine.y * cosine.z + cosine.x * doubled.y * sine.z + sine.x * cosine.y * doubled.z
 
 
-@dataclass(frozen=True)
+@frozen
 class Lidinoid(PeriodicSheet):
     """A sheet along the surface of Lidin, cut to a block: a gyroid's sibling with rings of three passages.
 

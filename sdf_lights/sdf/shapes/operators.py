@@ -6,12 +6,12 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
 from functools import cached_property, reduce
 
 import numpy as np
 
 from ...affine import inverse
+from ...frozen import frozen
 from ...graph.formula import POINT, Formula, Vector, maximum, minimum, parameter, select
 from ...graph.substitution import substitute
 from ...interruption import check
@@ -223,7 +223,7 @@ class SetOperation(Composite, abstract=True):
         return "" if self.children else f"{self.label()}: it has no shapes to combine: give it at least one."
 
 
-@dataclass(frozen=True, init=False)
+@frozen
 class Union(SetOperation):
     """All points that are in at least one of the shapes."""
 
@@ -244,7 +244,7 @@ class Union(SetOperation):
         return enclosing(child.bounds(matrix) for child in self.children)
 
 
-@dataclass(frozen=True, init=False)
+@frozen
 class Intersection(SetOperation):
     """The points that are in all of the shapes."""
 
@@ -265,7 +265,7 @@ class Intersection(SetOperation):
         return common(child.bounds(matrix) for child in self.children)
 
 
-@dataclass(frozen=True, init=False)
+@frozen
 class Difference(SetOperation):
     """The first shape without the others."""
 
@@ -292,7 +292,7 @@ class Difference(SetOperation):
         return self.children[0].growth(matrix)
 
 
-@dataclass(frozen=True, init=False)
+@frozen
 class Exclusive(SetOperation):
     """The points that are in an odd number of the shapes: for two, in one of them but not in both."""
 
@@ -370,7 +370,7 @@ class Folded(Operator, abstract=True):
         return terms
 
 
-@dataclass(frozen=True)
+@frozen
 class Transformed(Operator, abstract=True):
     """A shape under an affine matrix, including rotation, uneven scale, shear and mirroring.
 
@@ -458,7 +458,7 @@ class Transformed(Operator, abstract=True):
         return self.child.program(self._total(matrix))
 
 
-@dataclass(frozen=True)
+@frozen
 class Guarded(Operator, abstract=True):
     """A bounded shape with a field that is at least the distance to the shape's box, so its ``growth`` is known.
 

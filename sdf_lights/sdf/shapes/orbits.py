@@ -28,9 +28,9 @@ sets do, adds ρ to E and leaves (1) unchanged. So does the greater E that has s
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import NamedTuple
 
+from ...frozen import frozen
 from ...graph.formula import Formula, Vector, atan2, constant, cos, length, maximum, minimum, power, sin
 from ...graph.loops import iterate
 from . import support
@@ -94,7 +94,7 @@ class Orbital(Shape, abstract=True):
         return support.bounds(lambda directions: support.of_ball(directions, self.radius), matrix)
 
 
-@dataclass(frozen=True)
+@frozen
 class Mandelbulb(Orbital):
     """The points p that z → zⁿ + p never moves far away, with powers in spherical coordinates.
 
@@ -152,7 +152,7 @@ class Mandelbulb(Orbital):
 _FREE = dict(unit="NONE", minimum=-2.0, maximum=2.0, soft_maximum=1.0)
 
 
-@dataclass(frozen=True)
+@frozen
 class JuliaQuaternion(Orbital):
     """The points q that q → q² + c never moves far away: a slice of the Julia set of quaternions.
 
@@ -196,7 +196,7 @@ def _inverted(v: Vector, radius: Formula | float, floor: Formula | float) -> tup
     return factor, factor, 1.0 / far
 
 
-@dataclass(frozen=True)
+@frozen
 class Mandelbox(Shape):
     """The points that stay near while space is folded at a box, inverted at a sphere, and scaled.
 
@@ -268,7 +268,7 @@ _SIDE_RADIUS = math.sqrt(_SIDE**2 - _AROUND**2)
 _SIDE_CENTER = Vector(*(_SIDE / math.sqrt(3.0) * sign for sign in (-1.0, 1.0, 1.0)))
 
 
-@dataclass(frozen=True)
+@frozen
 class ApollonianGasket(Orbital):
     """Balls packed into a ball: four that touch one another, and the largest possible ball in every gap.
 

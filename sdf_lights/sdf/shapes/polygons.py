@@ -11,11 +11,12 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 
 import numpy as np
 
+from ...frozen import frozen
 from ...graph.formula import Formula, Vector, clamp, length, maximum, minimum, select, sqrt
 from .. import program
 from ..program import Op, combine, primitive
@@ -170,7 +171,7 @@ def _hull_without_pockets(
     return combine(Op.DIFFERENCE, [combine(Op.INTERSECTION, inside), *outside])
 
 
-@dataclass(frozen=True)
+@frozen
 class Rectangle(Polygonal):
     """A rectangle."""
 
@@ -194,7 +195,7 @@ def _radial(count: float, radii: tuple[float, ...]) -> np.ndarray:
     return distances[:, None] * np.stack([-np.sin(angles), np.cos(angles)], axis=1)
 
 
-@dataclass(frozen=True)
+@frozen
 class RegularPolygon(Polygonal):
     """A polygon of equal sides and angles, with a corner in the direction of y."""
 
@@ -219,7 +220,7 @@ class RegularPolygon(Polygonal):
         return _radial(self.sides, (self.radius,))
 
 
-@dataclass(frozen=True)
+@frozen
 class Star(Polygonal):
     """A star of straight edges, with a point in the direction of y."""
 
@@ -251,7 +252,7 @@ class Star(Polygonal):
         return _radial(self.points, (self.radius, self.inner_radius))
 
 
-@dataclass(frozen=True)
+@frozen
 class Plus(Polygonal):
     """Two bars of the same size that cross at right angles, along x and y."""
 
@@ -286,7 +287,7 @@ class Plus(Polygonal):
         return combine(Op.UNION, [primitive(Op.BOX, placed(matrix), (*size, 0.5 * height)) for size in sizes])
 
 
-@dataclass(frozen=True, init=False)
+@frozen
 class Polygon(Polygonal):
     """The region inside a closed line through the given points.
 

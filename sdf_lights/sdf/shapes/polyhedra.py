@@ -11,10 +11,10 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
+from ...frozen import frozen
 from ...graph.formula import Formula, Vector, clamp, length, maximum, minimum, select
 from ..program import Op, combine, primitive
 from . import support
@@ -88,7 +88,7 @@ class Regular(Primitive, abstract=True):
         return polyhedron(matrix, self.normals, self.radius * self._inradius)
 
 
-@dataclass(frozen=True)
+@frozen
 class Tetrahedron(Regular):
     """A pyramid of four equal triangles.
 
@@ -104,7 +104,7 @@ class Tetrahedron(Regular):
     _folded = staticmethod(into_tetrahedral_chamber)
 
 
-@dataclass(frozen=True)
+@frozen
 class Octahedron(Regular):
     """Two square pyramids joined at their bases: eight equal triangles.
 
@@ -126,7 +126,7 @@ class _Icosahedral(Regular, abstract=True):
     _folded = staticmethod(into_icosahedral_chamber)
 
 
-@dataclass(frozen=True)
+@frozen
 class Dodecahedron(_Icosahedral):
     """A ball-like solid with twelve pentagons as faces."""
 
@@ -136,7 +136,7 @@ class Dodecahedron(_Icosahedral):
     radius: float = number(0.6, "Distance from the centre to the corners")
 
 
-@dataclass(frozen=True)
+@frozen
 class Icosahedron(_Icosahedral):
     """A ball-like solid with twenty triangles as faces."""
 
@@ -147,7 +147,7 @@ class Icosahedron(_Icosahedral):
     radius: float = number(0.6, "Distance from the centre to the corners")
 
 
-@dataclass(frozen=True)
+@frozen
 class RhombicDodecahedron(Primitive):
     """A solid with twelve rhombi as faces; copies of it fill space without gaps."""
 
@@ -172,7 +172,7 @@ class RhombicDodecahedron(Primitive):
 # -- prisms and pyramids ----------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
+@frozen
 class Prism(Prismatic):
     """A bar along z with a regular polygon of any number of sides as its ends.
 
@@ -189,7 +189,7 @@ class Prism(Prismatic):
         return RegularPolygon(self.sides, self.radius)
 
 
-@dataclass(frozen=True)
+@frozen
 class TriangularPrism(Prismatic):
     """A bar along z with equilateral triangles as its ends; a corner is in the direction of y."""
 
@@ -200,7 +200,7 @@ class TriangularPrism(Prismatic):
         return RegularPolygon(3, self.radius)
 
 
-@dataclass(frozen=True)
+@frozen
 class HexagonalPrism(Prismatic):
     """A bar along z with regular hexagons as its ends; a corner is in the direction of y."""
 
@@ -281,7 +281,7 @@ class _Pyramid(_Pyramidal, abstract=True):
         return polyhedron(matrix, [*slopes, (0.0, 0.0, -1.0)], [*offsets, 0.5 * self.height])
 
 
-@dataclass(frozen=True)
+@frozen
 class Pyramid(_Pyramid):
     """A pyramid along z with a square base at −height/2 and its tip at +height/2."""
 
@@ -295,7 +295,7 @@ class Pyramid(_Pyramid):
         return maximum(abs(p.x), abs(p.y)), minimum(abs(p.x), abs(p.y))
 
 
-@dataclass(frozen=True)
+@frozen
 class RegularPyramid(_Pyramid):
     """A pyramid along z with a regular polygon of any number of sides as its base.
 
@@ -318,7 +318,7 @@ class RegularPyramid(_Pyramid):
         return RegularPolygon(self.sides, self.radius)
 
 
-@dataclass(frozen=True)
+@frozen
 class Bipyramid(_Pyramidal):
     """Two equal pyramids joined at their bases, a regular polygon of any number of sides: a crystal along z.
 
@@ -360,7 +360,7 @@ class Bipyramid(_Pyramidal):
 # -- blocks -----------------------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
+@frozen
 class Rhombus(Primitive):
     """A bar along z with rhombi as its ends; the corners are in the directions of x and y."""
 
@@ -385,7 +385,7 @@ class Rhombus(Primitive):
         return polyhedron(matrix, [*_signs(y, x, 0.0), *_signs(0.0, 0.0, 1.0)], [x * y] * 4 + [z] * 2)
 
 
-@dataclass(frozen=True)
+@frozen
 class Wedge(Primitive):
     """A ramp: half of a block, cut along the diagonal; it rises in the direction of x."""
 

@@ -9,10 +9,10 @@ The distances follow from geometry: the nearest point of a convex profile, after
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
+from ...frozen import frozen
 from ...graph.formula import Formula, Vector, clamp, length, maximum, minimum, select, sqrt
 from ..program import Op, combine, primitive
 from . import support
@@ -40,7 +40,7 @@ class Primitive(Shape, abstract=True):
         return tuple(getattr(self, field.name) for field in self.fields())
 
 
-@dataclass(frozen=True)
+@frozen
 class Sphere(Primitive):
     """A ball."""
 
@@ -58,7 +58,7 @@ class Sphere(Primitive):
         return support.of_ball(directions, self.radius)
 
 
-@dataclass(frozen=True)
+@frozen
 class Ellipsoid(Primitive):
     """A ball stretched along x, y and z.
 
@@ -105,7 +105,7 @@ def rhombus_side(x: Formula, y: Formula, half_width: float, half_height: float, 
     return out, abs(along - slot(middle)) - slot(0.5 * side)
 
 
-@dataclass(frozen=True)
+@frozen
 class Box(Primitive):
     """A rectangular block."""
 
@@ -126,7 +126,7 @@ class Box(Primitive):
         return self.half_size
 
 
-@dataclass(frozen=True)
+@frozen
 class BoxFrame(Primitive):
     """The twelve edges of a block, as square bars that lie inside the block."""
 
@@ -177,7 +177,7 @@ class BoxFrame(Primitive):
         return combine(Op.DIFFERENCE, parts)
 
 
-@dataclass(frozen=True)
+@frozen
 class Torus(Primitive):
     """A ring around the z axis."""
 
@@ -205,7 +205,7 @@ class Torus(Primitive):
         return support.of_disk(directions, self.major_radius) + support.of_ball(directions, self.minor_radius)
 
 
-@dataclass(frozen=True)
+@frozen
 class Capsule(Primitive):
     """A cylinder along z with a half ball on each end."""
 
@@ -225,7 +225,7 @@ class Capsule(Primitive):
         return support.of_segment(directions, 0.5 * self.height) + support.of_ball(directions, self.radius)
 
 
-@dataclass(frozen=True)
+@frozen
 class Cylinder(Primitive):
     """A round bar along z with flat ends."""
 
@@ -260,7 +260,7 @@ def _frustum(p: Vector, bottom: Formula, top: Formula | float, half_height: Form
     return select(maximum(beyond_slant, end) <= 0.0, -distance, distance)
 
 
-@dataclass(frozen=True)
+@frozen
 class Cone(Primitive):
     """A cone along z: its base at −height/2, its tip at +height/2."""
 
@@ -280,7 +280,7 @@ class Cone(Primitive):
         return np.maximum(tip, support.of_disk(directions, self.radius) - tip)
 
 
-@dataclass(frozen=True)
+@frozen
 class Frustum(Primitive):
     """A cone along z without its tip, or a cylinder that becomes narrower or wider.
 

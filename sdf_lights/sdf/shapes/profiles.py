@@ -12,10 +12,10 @@ the same regions.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
+from ...frozen import frozen
 from ...graph.formula import Formula, Vector, length, maximum, minimum, select
 from .. import program
 from ..program import Op, combine, primitive
@@ -95,7 +95,7 @@ def _torus(matrix: np.ndarray | None, offset: float, radius: float) -> np.ndarra
     return primitive(Op.TORUS, placed(matrix), (offset, radius))
 
 
-@dataclass(frozen=True)
+@frozen
 class Circle(Profile):
     """A disk."""
 
@@ -124,7 +124,7 @@ class Circle(Profile):
         return _torus(matrix, offset, self.radius)
 
 
-@dataclass(frozen=True)
+@frozen
 class Ring(Profile):
     """The region between two circles around the origin."""
 
@@ -167,7 +167,7 @@ class Ring(Profile):
         return combine(Op.DIFFERENCE, [outer.revolved_program(matrix, offset), inner.revolved_program(matrix, offset)])
 
 
-@dataclass(frozen=True)
+@frozen
 class Ellipse(Profile):
     """A disk scaled along x and y.
 
@@ -202,7 +202,7 @@ class Ellipse(Profile):
         return Circle(1.0).revolved_program(placed(matrix) @ stretch, offset / self.radius_x)
 
 
-@dataclass(frozen=True)
+@frozen
 class Almond(Profile):
     """The intersection of two equal disks: pointed at both ends of y.
 
@@ -257,7 +257,7 @@ class Almond(Profile):
         return combine(Op.INTERSECTION, [_cylinder(matrix, x, 0.0, radius, height) for x in (-away, away)])
 
 
-@dataclass(frozen=True)
+@frozen
 class Moon(Profile):
     """A disk minus another disk: a crescent.
 
@@ -326,7 +326,7 @@ class Moon(Profile):
         )
 
 
-@dataclass(frozen=True)
+@frozen
 class HeartOutline(Profile):
     """A heart: a square on its corner, with half a disk on each of its upper sides."""
 
@@ -376,7 +376,7 @@ class HeartOutline(Profile):
         return combine(Op.UNION, [primitive(Op.BOX, square, (0.5 * side, 0.5 * side, 0.5 * height)), *lobes])
 
 
-@dataclass(frozen=True)
+@frozen
 class RoundedRectangle(Profile):
     """A rectangle with round corners."""
 

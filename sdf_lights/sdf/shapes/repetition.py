@@ -17,11 +17,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
+from ...frozen import frozen
 from ...graph.formula import Formula, Vector, apply, clamp, cos, maximum, minimum, select, sin
 from ...graph.loops import iterate
 from ..program import NoClosedForm
@@ -128,7 +128,7 @@ class Repeated(Operator, abstract=True):
         return ""
 
 
-@dataclass(frozen=True)
+@frozen
 class Repetition(Repeated):
     """Copies of the shape in rows along x, y and z, centred as a whole. They may overlap.
 
@@ -261,7 +261,7 @@ class Repetition(Repeated):
         return ""
 
 
-@dataclass(frozen=True)
+@frozen
 class PolarRepetition(Repeated):
     """Copies of the shape around the z axis, at equal angles. They may overlap."""
 

@@ -6,10 +6,10 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
+from ...frozen import frozen
 from ...graph.formula import Formula, Vector, clamp, length, maximum, minimum, select, sqrt
 from ..program import NoClosedForm, Op, combine, primitive
 from . import support
@@ -21,7 +21,7 @@ from .primitives import Box, Primitive, corner, rhombus_side
 _ENDLESS = 1e15  # metres that replace infinity if a closed form needs a length
 
 
-@dataclass(frozen=True)
+@frozen
 class RoundedBox(Primitive):
     """A rectangular block with round edges and corners."""
 
@@ -68,7 +68,7 @@ class RoundedBox(Primitive):
         return combine(Op.UNION, parts or [primitive(Op.SPHERE, placed(matrix), (self.radius,))])
 
 
-@dataclass(frozen=True)
+@frozen
 class CrossedBars(Primitive):
     """Three square bars along x, y and z that cross in the middle."""
 
@@ -108,7 +108,7 @@ class CrossedBars(Primitive):
         return combine(Op.UNION, [primitive(Op.BOX, placed(matrix), tuple(bar)) for bar in self._bars()])
 
 
-@dataclass(frozen=True)
+@frozen
 class CappedTorus(Primitive):
     """A part of a ring around the z axis, with round ends."""
 
@@ -168,7 +168,7 @@ class CappedTorus(Primitive):
         return combine(Op.UNION, [arc, *ends])
 
 
-@dataclass(frozen=True)
+@frozen
 class Link(Primitive):
     """A link of a chain: a ring in the xz plane, stretched along z."""
 
@@ -209,7 +209,7 @@ class Link(Primitive):
         return combine(Op.UNION, parts)
 
 
-@dataclass(frozen=True)
+@frozen
 class RoundedCylinder(Primitive):
     """A round bar along z with round edges."""
 
@@ -256,7 +256,7 @@ class RoundedCylinder(Primitive):
         return combine(Op.UNION, parts)
 
 
-@dataclass(frozen=True)
+@frozen
 class Tube(Primitive):
     """A hollow round bar along z, open at both ends."""
 
@@ -288,7 +288,7 @@ class Tube(Primitive):
         return combine(Op.DIFFERENCE, [primitive(Op.CYLINDER, placed(matrix), size) for size in sizes])
 
 
-@dataclass(frozen=True)
+@frozen
 class PieSlice(Primitive):
     """A slice of a cylinder, like a slice of cake; its point is on the z axis.
 
@@ -326,7 +326,7 @@ class PieSlice(Primitive):
         return combine(Op.INTERSECTION, [bar, sector(matrix, self.angle)])
 
 
-@dataclass(frozen=True)
+@frozen
 class RoundCone(Primitive):
     """A cone along z with a ball at each end: the convex hull of two balls."""
 
@@ -387,7 +387,7 @@ class RoundCone(Primitive):
         return combine(Op.UNION, [side, *balls])
 
 
-@dataclass(frozen=True)
+@frozen
 class Bicone(Primitive):
     """Two equal cones joined at their bases: a spindle along z."""
 
@@ -414,7 +414,7 @@ class Bicone(Primitive):
         return combine(Op.INTERSECTION, cones)
 
 
-@dataclass(frozen=True)
+@frozen
 class InfiniteCylinder(Primitive):
     """An infinite round bar along z.
 
@@ -438,7 +438,7 @@ class InfiniteCylinder(Primitive):
         return primitive(Op.CYLINDER, placed(matrix), (self.radius, _ENDLESS))
 
 
-@dataclass(frozen=True)
+@frozen
 class HalfSpace(Primitive):
     """Everything on one side of a plane.
 
@@ -478,7 +478,7 @@ class HalfSpace(Primitive):
         return half_space(matrix, self._unit_normal(), self.offset)
 
 
-@dataclass(frozen=True)
+@frozen
 class Slab(Primitive):
     """Everything between two planes perpendicular to the z axis.
 

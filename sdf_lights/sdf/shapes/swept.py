@@ -5,10 +5,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
+from ...frozen import frozen
 from ...graph.formula import Formula, Vector, length, maximum, minimum, select
 from ..program import NoClosedForm, Op, combine
 from . import support
@@ -50,7 +50,7 @@ class Swept(Shape, abstract=True):
         return self.profile.check() or super().check()
 
 
-@dataclass(frozen=True)
+@frozen
 class Extrusion(Swept):
     """A profile with thickness: a bar along z, centred.
 
@@ -99,7 +99,7 @@ def _beyond_axis(shape: "Revolution | PartialRevolution") -> str:
     return ""
 
 
-@dataclass(frozen=True)
+@frozen
 class Revolution(Swept):
     """A profile revolved about the z axis, all the way round.
 
@@ -133,7 +133,7 @@ class Revolution(Swept):
         return self.profile.revolved_program(matrix, self.offset)
 
 
-@dataclass(frozen=True)
+@frozen
 class PartialRevolution(Swept):
     """A profile revolved about the z axis, but not all the way round.
 
@@ -213,7 +213,7 @@ class Prismatic(Primitive, abstract=True):
         return self._extrusion().program(matrix)
 
 
-@dataclass(frozen=True)
+@frozen
 class StarPrism(Prismatic):
     """A star with thickness. One of its points is in the direction of y."""
 
@@ -228,7 +228,7 @@ class StarPrism(Prismatic):
         return Star(self.points, self.radius, self.inner_radius)
 
 
-@dataclass(frozen=True)
+@frozen
 class PlusPrism(Prismatic):
     """Two equal bars that cross at right angles, with thickness."""
 
@@ -240,7 +240,7 @@ class PlusPrism(Prismatic):
         return Plus(self.half_length, self.half_width)
 
 
-@dataclass(frozen=True)
+@frozen
 class Crescent(Prismatic):
     """A crescent moon with thickness: a disk minus another disk."""
 
@@ -253,7 +253,7 @@ class Crescent(Prismatic):
         return Moon(self.radius, self.bite_radius, self.offset)
 
 
-@dataclass(frozen=True)
+@frozen
 class HeartPrism(Prismatic):
     """A heart with thickness: a square on its corner, with half a disk on each of its upper sides. Its top is at +y."""
 

@@ -9,10 +9,10 @@ come near itself and bends less than the tube is thick.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
+from ...frozen import frozen
 from ...graph.formula import Formula, Vector, clamp, length, maximum, minimum, select
 from ..program import Op, combine, primitive
 from . import support
@@ -39,7 +39,7 @@ def _rod(matrix: np.ndarray | None, start: np.ndarray, end: np.ndarray, radius: 
     return primitive(Op.CAPSULE, placed(matrix, *(0.5 * (start + end))) @ turned, (radius, size))
 
 
-@dataclass(frozen=True)
+@frozen
 class Horseshoe(Primitive):
     """A tube in the xy plane along an arc with straight parts at both ends. The arc's middle is at +y."""
 
@@ -108,7 +108,7 @@ class Horseshoe(Primitive):
         return combine(Op.UNION, [ring, *legs])
 
 
-@dataclass(frozen=True)
+@frozen
 class FigureEight(Primitive):
     """A tube in the xy plane in the form of ∞: two arcs and the two straight parts between them, which cross.
 
@@ -175,7 +175,7 @@ class FigureEight(Primitive):
         return combine(Op.UNION, parts)
 
 
-@dataclass(frozen=True)
+@frozen
 class BezierTube(Primitive):
     """A tube along a quadratic Bézier curve, given by three points: from the first to the third, drawn towards the
     second.

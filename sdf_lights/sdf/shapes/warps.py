@@ -16,11 +16,11 @@ continuous wherever it leads to within m of B. And it is negative where φ∘T i
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
+from ...frozen import frozen
 from ...graph.formula import Vector, apply, clamp, cos, length, maximum, minimum, sin
 from .base import Shape, Slots, number, part
 from .operators import Operator, Transformed, guarded
@@ -97,7 +97,7 @@ def _farthest(low: np.ndarray, high: np.ndarray) -> float:
     return math.hypot(max(abs(low[0]), abs(high[0])), max(abs(low[1]), abs(high[1])))
 
 
-@dataclass(frozen=True)
+@frozen
 class Twist(Warp):
     """The shape twisted around the z axis; the plane z = 0 stays."""
 
@@ -129,7 +129,7 @@ class Twist(Warp):
         return self.child.volume()
 
 
-@dataclass(frozen=True)
+@frozen
 class Bend(Warp):
     """The shape bent upwards: the x axis becomes a circle around a line parallel to y, above the origin.
 
@@ -188,7 +188,7 @@ class Bend(Warp):
         return ""
 
 
-@dataclass(frozen=True)
+@frozen
 class Taper(Warp):
     """The shape made wider or narrower across z, evenly from its lower to its upper end."""
 

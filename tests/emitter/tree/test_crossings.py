@@ -13,8 +13,8 @@ from sdf_lights.sdf.shapes import Box, Difference, Sphere, Torus, Transformed
 from sdf_lights.sdf.shapes.blends import SmoothUnion
 from support.lamps import oracle
 from support.lamps.hard_cases import HARD_CASES, SHEETS, SLABS, SMOOTH, Steeper, around, published, scattered
-from support.lamps.rays import AsField, Traced
-from support.lamps.shapes_under_test import COMPOSITES, moved
+from support.lamps.rays import Traced
+from support.lamps.shapes_under_test import COMPOSITES, FieldOf, moved
 from support.rivals import marching
 
 RAYS = 120
@@ -26,7 +26,7 @@ def check(shape, rays, count):
     origins, directions = rays(shape, np.random.default_rng(5), count)
     truth = oracle.find(shape, origins, directions)
     assert truth.counts.any()
-    for traced in (Traced(shape), Traced(AsField(shape))):
+    for traced in (Traced(shape), Traced(FieldOf(shape))):
         found = traced.trace(origins, directions)
         verdict = oracle.judge(shape, origins, directions, found[:, 0], found[:, 1], truth)
         assert verdict.wrong == 0.0
@@ -75,7 +75,7 @@ def test_pruned_programs_give_the_same_to_the_last_digit(name):
 
 
 def test_empty_and_full_boxes_cost_no_evaluation():
-    traced = Traced(AsField(Sphere(1.0)))
+    traced = Traced(FieldOf(Sphere(1.0)))
     past = traced.trace(np.array([[-3.0, 0.9, 0.9]]), np.array([[1.0, 0.0, 0.0]]))
     assert past[0, 0] == 0 and past[0, 3] <= 2  # a box is taken as a whole where the field is monotonic along the ray
     through = traced.trace(np.array([[-3.0, 0.1, 0.2]]), np.array([[1.0, 0.0, 0.0]]))
@@ -87,7 +87,7 @@ def test_empty_and_full_boxes_cost_no_evaluation():
 @pytest.mark.parametrize("shape", [SMOOTH, Torus(0.7, 0.25), scattered(10)], ids=["smooth", "torus", "ten"])
 def test_fewer_evaluations_than_the_published_rule(shape):
     """Although it resolves 10,000 times finer, and without counting what the rule's bisections cost."""
-    field = Traced(AsField(shape))
+    field = Traced(FieldOf(shape))
     origins, directions = around(shape, np.random.default_rng(2), 1500)
     ours = field.trace(origins, directions)
     theirs = field.march(marching.PUBLISHED, origins, directions)
@@ -127,7 +127,7 @@ def _march(traced, rule, origins, directions, segments, out):
 
 
 def test_origins_inside_begin_at_zero():
-    for shape in (Torus(1.0, 0.3), AsField(Torus(1.0, 0.3)), SmoothUnion(Sphere(0.5), Box(0.4), radius=0.1)):
+    for shape in (Torus(1.0, 0.3), FieldOf(Torus(1.0, 0.3)), SmoothUnion(Sphere(0.5), Box(0.4), radius=0.1)):
         o = (1.0, 0.0, 0.1) if shape.bounds()[1][0] > 1.0 else (0.1, 0.1, 0.1)
         for d in ((1.0, 0.0, 0.0), (0.0, -0.6, 0.8), (-1.0, 0.0, 0.0)):
             first, *_ = Traced(shape).intervals(o, d)
@@ -137,7 +137,7 @@ def test_origins_inside_begin_at_zero():
 
 @pytest.mark.parametrize("factor", [1e-3, 0.2, 50.0])
 def test_directions_of_any_length(factor):
-    shape = AsField(SMOOTH)
+    shape = FieldOf(SMOOTH)
     traced = Traced(shape)
     origins, directions = around(shape, np.random.default_rng(6), 300)
     plain, scaled = traced.trace(origins, directions), traced.trace(origins, factor * directions)
@@ -146,7 +146,7 @@ def test_directions_of_any_length(factor):
 
 
 @pytest.mark.parametrize(
-    "shape", [Torus(0.7, 0.25), AsField(Torus(0.7, 0.25)), SHEETS, SMOOTH], ids=["torus", "field", "sheets", "smooth"]
+    "shape", [Torus(0.7, 0.25), FieldOf(Torus(0.7, 0.25)), SHEETS, SMOOTH], ids=["torus", "field", "sheets", "smooth"]
 )
 def test_rays_along_axes_and_splits(shape):
     """In planes that divide the tree, along its edges, and through its centre."""
@@ -175,7 +175,7 @@ def test_intervals_without_room_are_counted(wrapped):
     """A comb of 33 teeth and room for 5: the nearest are kept, and the rest of the ray is unresolved."""
     slots = [Transformed(Box((0.01, 2, 2)), moved(x)) for x in np.linspace(-0.9, 0.9, 32)]
     comb = Difference(Box((1, 1, 1)), *slots)
-    shape = AsField(comb) if wrapped else comb
+    shape = FieldOf(comb) if wrapped else comb
     o, d = np.array([[-5.0, 0.1, 0.2]]), np.array([[1.0, 0.0, 0.0]])
     full, few = Traced(shape), Traced(shape, rows=5)
     assert full.trace(o, d)[0, 0] == 33
@@ -187,7 +187,7 @@ def test_intervals_without_room_are_counted(wrapped):
 
 def test_one_box_is_a_tree():
     """A shape that is never divided: the walk is a single box."""
-    traced = Traced(AsField(Sphere(0.5)))
+    traced = Traced(FieldOf(Sphere(0.5)))
     traced.tables["lamp_nodes"] = nodes = traced.tree.nodes[:1].copy()
     nodes["first"], nodes["state"], nodes["gradient"] = -1, BOUNDARY, [[-np.inf], [np.inf]]
     traced.blocks["lamp_nodes_address"] = nodes.ctypes.data

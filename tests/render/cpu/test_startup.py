@@ -4,6 +4,7 @@
 
 import os
 import pathlib
+import shutil
 import subprocess
 import sys
 
@@ -26,6 +27,23 @@ def run(code: str, cache: pathlib.Path, timeout: float = 120.0) -> str:
         check=True,
         timeout=timeout,
     ).stdout.strip()
+
+
+def test_what_is_known_of_sources_is_what_they_contain(tmp_path):
+    """Where it was read by this process and where it was found on disk; also after a change of a file."""
+    shutil.copytree(REPOSITORY / "sdf_lights", tmp_path / "sdf_lights", ignore=shutil.ignore_patterns("__pycache__"))
+    code = (
+        f"import sys; sys.path.insert(0, {str(tmp_path)!r}); from sdf_lights import kernel_code as known; "
+        "paths = known._files(); found = {path: known._source(path) for path in paths}; "
+        "assert found == {path: known._read(path) for path in paths}; "
+        "print(known.ROOT, known.source_hash(known.ROOT / 'vec.py'), known.source_hash(known.ROOT / 'render' / 'ies.py'))"
+    )
+    first = run(code, tmp_path / "cache").split()
+    assert first[0] == str(tmp_path / "sdf_lights") and run(code, tmp_path / "cache").split() == first
+    changed = tmp_path / "sdf_lights" / "render" / "ies.py"
+    changed.write_text(changed.read_text(encoding="utf-8").replace("angle", "anglE"), encoding="utf-8")
+    second = run(code, tmp_path / "cache").split()
+    assert second[:2] == first[:2] and second[2] != first[2]
 
 
 def test_compiled_entry_loads_without_the_compiler(tmp_path):

@@ -6,10 +6,10 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass
 
 import numpy as np
 
+from ....frozen import frozen
 from ....graph.codegen_glsl import literal
 from ..layout import Array, Record
 
@@ -36,7 +36,7 @@ class Untranslatable(Exception):
     """A kernel uses something without a GLSL version: what, and where."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Tuple:
     """Type of a tuple."""
 
@@ -48,7 +48,7 @@ class Tuple:
         return 2 <= len(self.items) <= 4 and all(item == FLOAT for item in self.items)
 
 
-@dataclass(frozen=True)
+@frozen
 class Ref:
     """Type of a reference: a record or an array in a buffer, or in the workspace (``lvalue`` is then its GLSL).
 
@@ -61,7 +61,7 @@ class Ref:
     reader: str = ""
 
 
-@dataclass(frozen=True)
+@frozen
 class Value:
     """The value of an expression: GLSL ``text`` of a ``type``, or a known Python object (``CONSTANT``)."""
 
@@ -86,7 +86,7 @@ class Scope:
 BLOCK, WORKSPACE, SECONDARY = Scope(), Scope(), Scope("secondary_")
 
 
-@dataclass(frozen=True)
+@frozen
 class Native:
     """A kernel with hand-written GLSL under this ``name``. ``result`` is its type; None for none.
 

@@ -49,7 +49,7 @@ from .records import CONNECTS, FOLLOW_ALL, FOLLOW_DIFFUSE, material_table, power
 
 ANY = DIFFUSE | GLOSSY | TRANSMISSION
 SAME_DIRECTION = 1.0 - 1e-9  # cosine of the angle between what a mirror gives and what it should
-LOOKS, UNSEEN = 4, 0.02  # rays from a vertex to pilots; what it counts where none of these see it
+VISIBILITY_RAYS, LEAST_VISIBILITY = 4, 0.02  # rays from a vertex to pilots; what it counts where none of these see it
 NEARLY = 0.999  # of the way to a pilot, whose surface is not in the way
 FIRST_SETS, BOUNCE_SETS = 2, 2  # sets of random numbers of a path, and of each surface that it meets
 MEAN_DENSITY = 8.0 / (15.0 * math.pi)  # of ``_expected_density``, for all cosines
@@ -316,7 +316,7 @@ def find_pilots(block, workspace, width, height, places):
 
 
 @kernel
-def dim_unseen(block, workspace, vertices, pilots):
+def weight_by_visibility(block, workspace, vertices, pilots):
     """Lower the importance of vertices that none or few of the ``pilots`` (count, 3) see: choices count on what is
     left."""
     scene, scratch = block[0], workspace[0]
@@ -324,8 +324,8 @@ def dim_unseen(block, workspace, vertices, pilots):
     for index in range(len(vertices)):
         vertex = vertices[index]
         normal, place, seen = vec(vertex.normal), vec(vertex.position), 0
-        for look in range(LOOKS):
-            at = (index * LOOKS + look) % len(pilots)
+        for look in range(VISIBILITY_RAYS):
+            at = (index * VISIBILITY_RAYS + look) % len(pilots)
             way = sub((pilots[at, 0], pilots[at, 1], pilots[at, 2]), place)
             distance = length(way)
             wi = scale(way, 1.0 / distance) if distance > 0.0 else normal
@@ -334,4 +334,4 @@ def dim_unseen(block, workspace, vertices, pilots):
                 direction, t_max = shadow_ray(place, start, wi, distance * NEARLY)
                 start_anew(scene, scratch)
                 seen += int(not occluded(scene, scratch, start, direction, 0.0, t_max, SHADOW_OPAQUE))
-        vertex.importance *= max(seen / LOOKS, UNSEEN)
+        vertex.importance *= max(seen / VISIBILITY_RAYS, LEAST_VISIBILITY)

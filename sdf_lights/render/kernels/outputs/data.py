@@ -109,7 +109,7 @@ def _microfacet_albedos(block, closure, cosine):
     if closure.kind == FACETS:
         roughness = math.sqrt(math.sqrt(closure.alpha * closure.a))
         if closure.b > 0.0:
-            return vec(closure.film), ZERO
+            return vec(closure.thin_film), ZERO
     if closure.fresnel == FRESNEL_CONDUCTOR:
         k = closure.edge
         return (

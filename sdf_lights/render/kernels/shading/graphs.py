@@ -20,7 +20,7 @@ from ....graph.formula import VARIABLE, Formula, order, parameter
 from ....graph.functions import Function
 from ....graph.numpy_evaluation import Inputs, evaluate_inputs
 from ....graph.substitution import rewritten
-from ....jit import CallablePart
+from ....jit import CallablePart, layout
 from .records import NEEDS_DERIVATIVES, NEEDS_OBJECT_NORMAL, NEEDS_RAY, NEEDS_SHADOW_POINT, VARIABLES
 
 _LITERAL = (0.0, 1.0)
@@ -102,27 +102,26 @@ class Graphs:
     def addresses(self, records: tuple) -> np.ndarray:
         """Addresses of the graphs' code, for blocks and workspaces of these ``records``. The code lives as long as this
         object."""
-        layout = tuple(map(str, records))
 
         def address_of(function: Function, operands: int) -> int:
-            return _part(function, operands, records if function.scene else None, layout).address
+            return _part(function, operands, records if function.scene else None).address
 
         for structure in self.structures[len(self._compiled) :]:
-            self._compiled.append(codegen_native.compiled_at_surface(structure, VARIABLES, address_of, layout))
+            self._compiled.append(codegen_native.compiled_at_surface(structure, VARIABLES, address_of, layout(records)))
         return np.array([code.address for code in self._compiled] or [0], np.int64)
 
 
 def compile_calls(calls: Sequence[tuple[Function, int]], records: tuple) -> None:
     """Compile functions with so many operands in advance, as graphs call them."""
     for function, operands in calls:
-        _part(function, operands, records if function.scene else None, tuple(map(str, records)))
+        _part(function, operands, records if function.scene else None)
 
 
 _parts: dict[tuple, CallablePart] = {}
 
 
-def _part(function: Function, operands: int, records: tuple | None, layout: tuple) -> CallablePart:
-    key = function, operands, layout if function.scene else None
+def _part(function: Function, operands: int, records: tuple | None) -> CallablePart:
+    key = function, operands, records and layout(records)
     if key not in _parts:
         _parts[key] = CallablePart(function.kernel, function.static, operands, records)
     return _parts[key]

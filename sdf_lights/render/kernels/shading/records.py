@@ -162,7 +162,7 @@ CLOSURE = np.dtype(
         # Of Oren-Nayar. Of microfacets, the first: the part of the weight that is left without multiple scattering.
         ("multiscatter", "f8", 3),
         ("tangent", "f8", 3),  # of anisotropic FACETS, and of hair
-        ("film", "f8", 3),  # reflectance of FACETS under a film, seen along wo
+        ("thin_film", "f8", 3),  # reflectance of FACETS under a film, seen along wo
     ],
     align=True,
 )

@@ -15,8 +15,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from .....jit import CallablePart
-from ....tables import thin_film as film_table
+from .....jit import CallablePart, layout
+from ....tables import thin_film as thin_film_table
 from .. import dispatch
 from ..material_records import LOBE_PRINCIPLED
 from ..records import FACETS, SUBSURFACE, THIN_GLASS
@@ -120,7 +120,7 @@ _parts: dict[tuple, object] = {}
 
 
 def _address(kernel, count: int, records: tuple) -> int:
-    key = kernel, tuple(map(str, records))
+    key = kernel, layout(records)
     if key not in _parts:
         _parts[key] = CallablePart(kernel, (), count, records)
     return _parts[key].address
@@ -128,4 +128,4 @@ def _address(kernel, count: int, records: tuple) -> int:
 
 def tables(lobes: np.ndarray) -> dict[str, np.ndarray]:
     """Tables that the closures of these lobes (n,) read."""
-    return {"film": film_table.load() if {FACETS, THIN_GLASS} & kinds(lobes)[1] else np.zeros(1)}
+    return {"thin_film": thin_film_table.load() if {FACETS, THIN_GLASS} & kinds(lobes)[1] else np.zeros(1)}

@@ -26,15 +26,15 @@ from .fibers import (
     RIBBONS,
     ROUGHNESS,
     TWO_PI,
-    about,
     absorption,
     across,
-    along,
+    azimuthal,
     cosine_of,
     cut,
+    longitudinal,
     random_factor,
-    sample_about,
-    sample_along,
+    sample_azimuthal,
+    sample_longitudinal,
     tilted,
 )
 
@@ -91,13 +91,13 @@ def add_lobe(block, workspace, lobe, weight):
         place = -surface.barycentric[1]
     closure.f0[0] = min(max(place, -1.0), 1.0)
     closure.f0[1] = closure.f0[2] = 0.0
-    r, tt, trt, more, _, _, _ = _shares(closure, vec(surface.wo))
+    r, tt, trt, more, _, _, _ = _attenuations(closure, vec(surface.wo))
     finish(workspace, index, scale(add(add(r, tt), add(trt, more)), weight))
     return 0.0
 
 
 @kernel
-def _shares(closure, wo):
+def _attenuations(closure, wo):
     """Fractions (RGB each) of light that R, TT, TRT and all later orders keep; the sine of the inclination of wo; the
     angles of the ray with the normals of the fiber outside and inside."""
     sine_o = min(max(dot(vec(closure.tangent), wo), -1.0), 1.0)
@@ -121,7 +121,7 @@ def _shares(closure, wo):
 
 
 @kernel
-def _turn(order, outside, inside):
+def _deflection(order, outside, inside):
     """Angle by which a smooth fiber would turn a ray around itself."""
     return 2.0 * order * inside - 2.0 * outside + order * math.pi
 
@@ -129,15 +129,17 @@ def _turn(order, outside, inside):
 @kernel
 def _scattered(closure, wo, sine_i, phi):
     """f · |cos| and pdf for an inclination and an angle around the fiber from wo."""
-    r, tt, trt, more, sine_o, outside, inside = _shares(closure, wo)
+    r, tt, trt, more, sine_o, outside, inside = _attenuations(closure, wo)
     cosine_o, cosine_i, tilt, v, s = cosine_of(sine_o), cosine_of(sine_i), closure.c, closure.a, closure.b
     sine, cosine = tilted(sine_o, cosine_o, 2.0 * tilt)
-    p0 = along(sine_i, cosine_i, sine, cosine, closure.alpha) * about(phi - _turn(0, outside, inside), s)
+    p0 = longitudinal(sine_i, cosine_i, sine, cosine, closure.alpha) * azimuthal(
+        phi - _deflection(0, outside, inside), s
+    )
     sine, cosine = tilted(sine_o, cosine_o, -tilt)
-    p1 = along(sine_i, cosine_i, sine, cosine, 0.25 * v) * about(phi - _turn(1, outside, inside), s)
+    p1 = longitudinal(sine_i, cosine_i, sine, cosine, 0.25 * v) * azimuthal(phi - _deflection(1, outside, inside), s)
     sine, cosine = tilted(sine_o, cosine_o, -4.0 * tilt)
-    p2 = along(sine_i, cosine_i, sine, cosine, 4.0 * v) * about(phi - _turn(2, outside, inside), s)
-    p3 = along(sine_i, cosine_i, sine_o, cosine_o, 4.0 * v) / TWO_PI
+    p2 = longitudinal(sine_i, cosine_i, sine, cosine, 4.0 * v) * azimuthal(phi - _deflection(2, outside, inside), s)
+    p3 = longitudinal(sine_i, cosine_i, sine_o, cosine_o, 4.0 * v) / TWO_PI
     value = madd(madd(madd(scale(r, p0), p1, tt), p2, trt), p3, more)
     total = luminance(r) + luminance(tt) + luminance(trt) + luminance(more)
     return value, luminance(value) / max(total, 1e-30)
@@ -161,7 +163,7 @@ def sample(block, workspace, index, u1, u2, u3):
     """wi, f · |cos|, pdf (0: no direction) and kind."""
     closure, surface = closure_table(workspace)[int(index)], surface_table(workspace)[0]
     wo = vec(surface.wo)
-    r, tt, trt, more, sine_o, outside, inside = _shares(closure, wo)
+    r, tt, trt, more, sine_o, outside, inside = _attenuations(closure, wo)
     a, b, c, d = luminance(r), luminance(tt), luminance(trt), luminance(more)
     u = u3 * (a + b + c + d)
     order, v, tilt = 3, 4.0 * closure.a, 0.0
@@ -174,10 +176,10 @@ def sample(block, workspace, index, u1, u2, u3):
     else:
         u = (u - a - b - c) / max(d, 1e-30)
     sine, cosine = tilted(sine_o, cosine_of(sine_o), tilt)
-    sine_i = sample_along(sine, cosine, v, min(u, 1.0), u2)
+    sine_i = sample_longitudinal(sine, cosine, v, min(u, 1.0), u2)
     phi = TWO_PI * u1
     if order < 3:
-        phi = _turn(order, outside, inside) + sample_about(closure.b, u1)
+        phi = _deflection(order, outside, inside) + sample_azimuthal(closure.b, u1)
     value, pdf = _scattered(closure, wo, sine_i, phi)
     first, second = across(vec(closure.tangent), wo)
     place = phi + math.atan2(dot(second, wo), dot(first, wo))

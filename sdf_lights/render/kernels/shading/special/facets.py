@@ -284,7 +284,7 @@ def sample(block, workspace, index, u1, u2, u3):
 def smooth_albedo(block, closure, cosine):
     """Reflectance and transmittance of a smooth surface. Keeps the reflectance for passes."""
     r, t, _ = reflectance(block, closure, cosine)
-    put(closure.film, r)
+    put(closure.thin_film, r)
     return add(r, t)
 
 

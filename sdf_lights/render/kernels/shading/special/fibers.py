@@ -126,7 +126,7 @@ def _log_bessel(x):
 
 
 @kernel
-def along(sine_i, cosine_i, sine_o, cosine_o, v):
+def longitudinal(sine_i, cosine_i, sine_o, cosine_o, v):
     """Scattering along a fiber with the variance v: d'Eon et al. 2011."""
     a, b = cosine_i * cosine_o / v, sine_i * sine_o / v
     if v <= 0.1:
@@ -142,7 +142,7 @@ def tilted(sine, cosine, angle):
 
 
 @kernel
-def about(phi, s):
+def azimuthal(phi, s):
     """Density of a logistic distribution of width s, truncated at ±π, for an angle around the fiber."""
     x = abs(phi - TWO_PI * math.floor((phi + math.pi) / TWO_PI))
     e = math.exp(-x / s)
@@ -150,16 +150,16 @@ def about(phi, s):
 
 
 @kernel
-def sample_about(s, u):
-    """A sample of the density ``about``: an angle."""
+def sample_azimuthal(s, u):
+    """A sample of ``azimuthal``: an angle."""
     low = 1.0 / (1.0 + math.exp(min(math.pi / s, 80.0)))
     inner = u * (1.0 - 2.0 * low) + low
     return min(max(-s * math.log(max(1.0 / max(inner, 1e-30) - 1.0, 1e-30)), -math.pi), math.pi)
 
 
 @kernel
-def sample_along(sine_o, cosine_o, v, u1, u2):
-    """A sample of the density ``along``: the sine of an inclination."""
+def sample_longitudinal(sine_o, cosine_o, v, u1, u2):
+    """A sample of ``longitudinal``: the sine of an inclination."""
     u1 = max(u1, 1e-5)
     c = 1.0 + v * math.log(u1 + (1.0 - u1) * math.exp(-2.0 / v))
     s = math.sqrt(max(1.0 - c * c, 0.0))

@@ -39,15 +39,15 @@ from .fibers import (
     TRT_LOBE,
     TT_LOBE,
     TWO_PI,
-    about,
     absorption,
     across,
-    along,
+    azimuthal,
     cosine_of,
     cut,
+    longitudinal,
     random_factor,
-    sample_about,
-    sample_along,
+    sample_azimuthal,
+    sample_longitudinal,
     tilted,
 )
 
@@ -91,7 +91,7 @@ def add_lobe(block, workspace, lobe, weight):
     closure.a = aspect
     closure.c = -number(block, workspace, args[OFFSET])
     closure.ior = number(block, workspace, args[IOR])
-    first, second, third, _ = _shares(closure, vec(surface.wo))
+    first, second, third, _ = _attenuations(closure, vec(surface.wo))
     finish(workspace, index, scale(add(add(first, second), third), weight))
     return 0.0
 
@@ -118,7 +118,7 @@ def _is_missed(block, workspace, axis, aspect):
 
 
 @kernel
-def _shares(closure, wo):
+def _attenuations(closure, wo):
     """Approximate fractions (RGB each) of light that R, TT, TRT keep, and the sine of the inclination of wo, which is
     in world space."""
     sine = min(max(dot(vec(closure.tangent), wo), -1.0), 1.0)
@@ -392,16 +392,16 @@ def _value(block, closure, wo, wi):
     r = 0.25 * closure.f0[0] * f * mirror
     total = scale(madd((r, r, r), inverse * inverse, crossed), size / (2.0 * cosine_o))
     # Orders beyond TRT are spread as in Chiang et al. 2016.
-    return madd(total, 0.5 * size * along(wo[1], cosine_o, wi[1], cosine_i, 4.0 * closure.alpha) / TWO_PI, more)
+    return madd(total, 0.5 * size * longitudinal(wo[1], cosine_o, wi[1], cosine_i, 4.0 * closure.alpha) / TWO_PI, more)
 
 
 # -- directions --------------------------------------------------------------------------------------------------------
 
 
 @kernel
-def _chances(closure, wo):
+def _lobe_probabilities(closure, wo):
     """Probabilities of the lobes for sampling a direction, and the sine of the inclination of wo."""
-    r, tt, trt, sine = _shares(closure, wo)
+    r, tt, trt, sine = _attenuations(closure, wo)
     a, b, c = luminance(r), luminance(tt), luminance(trt)
     total = a + b + c
     if total <= 0.0:
@@ -418,22 +418,24 @@ def _variance(alpha, deviation):
 @kernel
 def _density(closure, wo, sine_i, phi):
     """Density of directions with this inclination and angle around the fiber."""
-    first, second, third, sine_o = _chances(closure, wo)
+    first, second, third, sine_o = _lobe_probabilities(closure, wo)
     cosine_o, cosine_i, tilt, alpha = cosine_of(sine_o), cosine_of(sine_i), closure.c, closure.alpha
     around = max(math.cos(0.5 * phi), 0.0) * 0.25
     total = (1.0 - first - second - third) / (4.0 * math.pi)
     sine, cosine = tilted(sine_o, cosine_o, 2.0 * tilt)
-    total += first * around * along(sine_i, cosine_i, sine, cosine, _variance(alpha, _R_ALONG))
+    total += first * around * longitudinal(sine_i, cosine_i, sine, cosine, _variance(alpha, _R_ALONG))
     sine, cosine = tilted(sine_o, cosine_o, -tilt)
     total += (
-        second * about(phi - math.pi, _TT_ABOUT) * along(sine_i, cosine_i, sine, cosine, _variance(alpha, _TT_ALONG))
+        second
+        * azimuthal(phi - math.pi, _TT_ABOUT)
+        * longitudinal(sine_i, cosine_i, sine, cosine, _variance(alpha, _TT_ALONG))
     )
     sine, cosine = tilted(sine_o, cosine_o, -4.0 * tilt)
     total += (
         third
         * 0.5
-        * (around + about(phi, _TRT_ABOUT))
-        * along(sine_i, cosine_i, sine, cosine, _variance(alpha, _TRT_ALONG))
+        * (around + azimuthal(phi, _TRT_ABOUT))
+        * longitudinal(sine_i, cosine_i, sine, cosine, _variance(alpha, _TRT_ALONG))
     )
     return total
 
@@ -476,21 +478,21 @@ def sample(block, workspace, index, u1, u2, u3):
     """wi, f · |cos|, pdf (0: no direction) and kind."""
     closure, surface = closure_table(workspace)[int(index)], surface_table(workspace)[0]
     wo = vec(surface.wo)
-    first, second, third, sine_o = _chances(closure, wo)
+    first, second, third, sine_o = _lobe_probabilities(closure, wo)
     tilt, deviation, phi, u = 0.0, 0.0, TWO_PI * u1, u3
     around = 2.0 * math.asin(min(max(2.0 * u1 - 1.0, -1.0), 1.0))
     if u < first:
         tilt, deviation, phi, u = 2.0 * closure.c, _R_ALONG, around, u / first
     elif u < first + second:
-        tilt, deviation, phi, u = -closure.c, _TT_ALONG, math.pi + sample_about(_TT_ABOUT, u1), (u - first) / second
+        tilt, deviation, phi, u = -closure.c, _TT_ALONG, math.pi + sample_azimuthal(_TT_ABOUT, u1), (u - first) / second
     elif u < first + second + third:
         tilt, deviation, phi, u = -4.0 * closure.c, _TRT_ALONG, around, 2.0 * (u - first - second) / third
         if u >= 1.0:
-            phi, u = sample_about(_TRT_ABOUT, u1), u - 1.0
+            phi, u = sample_azimuthal(_TRT_ABOUT, u1), u - 1.0
     sine_i = 2.0 * u2 - 1.0
     if deviation > 0.0:
         sine, cosine = tilted(sine_o, cosine_of(sine_o), tilt)
-        sine_i = sample_along(sine, cosine, _variance(closure.alpha, deviation), min(u, 1.0), u2)
+        sine_i = sample_longitudinal(sine, cosine, _variance(closure.alpha, deviation), min(u, 1.0), u2)
     cosine_i = cosine_of(sine_i)
     y = vec(closure.tangent)
     x, _ = across(y, wo)

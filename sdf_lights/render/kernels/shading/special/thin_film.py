@@ -15,8 +15,8 @@ from .....jit import kernel, table
 from ....tables.thin_film import LONGEST, SIZE
 from .. import fresnel
 
-TABLES = {"film": np.dtype("f8")}
-_film = table("film", TABLES["film"])
+TABLES = {"thin_film": np.dtype("f8")}
+_thin_film = table("thin_film", TABLES["thin_film"])
 
 _TERMS = 3  # of the sum over reflections; later ones are hardly visible
 
@@ -24,7 +24,7 @@ _TERMS = 3  # of the sum over reflections; later ones are hardly visible
 @kernel
 def _sensitivity(block, channel, path):
     """Means of cos 2πΔ/λ and sin 2πΔ/λ over the sensitivity of a channel, for the path difference Δ in nanometres."""
-    values = _film(block)
+    values = _thin_film(block)
     x = min(max(path / LONGEST, 0.0), 1.0) * (SIZE - 1)
     i = min(int(x), SIZE - 2)
     t = x - i

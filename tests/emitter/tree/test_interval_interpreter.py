@@ -5,12 +5,12 @@
 import numpy as np
 import pytest
 
-from sdf_lights.emitter.tree import enclosure_tape, interior, slopes
-from sdf_lights.emitter.tree.enclosure_tape import tape
-from sdf_lights.emitter.tree.enclosures import BOXES, DEEPEST_LOOP, SIZE, enclose
-from sdf_lights.graph import codegen_native, numpy_evaluation
+from sdf_lights.emitter.tree import interior, slopes
+from sdf_lights.graph import codegen_native, interval_tape, numpy_evaluation
 from sdf_lights.graph.formula import POINT, apply, constant, parameter, select, sqrt
 from sdf_lights.graph.gradient import gradient
+from sdf_lights.graph.interval_interpreter import BOXES, DEEPEST_LOOP, SIZE, enclose
+from sdf_lights.graph.interval_tape import tape
 from sdf_lights.graph.lipschitz import gradient_bounds
 from sdf_lights.graph.loops import iterate
 from sdf_lights.graph.operations import CONDITIONS, OPERATIONS
@@ -216,4 +216,4 @@ def test_work_is_bounded(monkeypatch):
 
 
 def test_tapes_have_no_unknown_operation():
-    assert set(OPERATIONS) <= set(enclosure_tape.NAMES)
+    assert set(OPERATIONS) <= set(interval_tape.NAMES)

@@ -2,15 +2,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bounds of formulas and of their gradients in boxes, by an interpreter: eight boxes at a time, without compilation.
 
-``graph.lipschitz`` does the same for arrays of boxes, with more care for norms and rounding, and is the reference. It
-pays from some thousand boxes of one formula on, but a tree of a combination has as many lists of terms as boxes. Here
-the graph of a formula is a *tape* of instructions (``enclosure_tape``) on registers, which hold bounds of a value and
+``lipschitz`` does the same with NumPy, and more: norms, jumps, boxes split at folds, rounding of each operation. It is
+the reference. It costs some microseconds for each operation of each formula, and a tree of a combination has a list of
+terms of its own in almost every box. Both take the bounds of single operations from ``elementary_bounds``, and the
+derivatives of functions from ``OPERATIONS``.
+
+The graph of a formula is a *tape* of instructions (``interval_tape``) on registers, which hold bounds of a value and
 of its gradient in eight boxes: interval forward differentiation (Griewank and Walther, "Evaluating Derivatives"; Moore,
 Kearfott and Cloud, "Introduction to Interval Analysis"). Roots of sums of squares are treated as lengths, whose
 gradients have no pole.
 
-Bounds are exact except for rounding, which the caller must add (``ROUNDING``). They hold where the formula is
-continuous. Unknown bounds are infinite.
+Bounds are exact except for rounding, which the caller must add (``interval_kernels.margin_of_rounding``). They hold
+where the formula is continuous. Unknown bounds are infinite.
 """
 
 from __future__ import annotations
@@ -19,10 +22,12 @@ import math
 
 import numpy as np
 
-from ...jit import call_numbers, kernel
-from .enclosure_tape import CALL_NUMBERS, CODES
+from ..jit import call_numbers, kernel
+from .elementary_bounds import TURN
 from .interval_kernels import (
-    HALF_TURN,
+    ROUNDING,
+    abs_bounds,
+    angle_bounds,
     passes,
     power_bounds,
     product_bounds,
@@ -32,116 +37,58 @@ from .interval_kernels import (
     unit_bounds,
     wave_bounds,
 )
+from .interval_tape import ALL, CALL_NUMBERS, CODE
 
 BOXES = 8  # bounded together
-SIZE = 8  # rows of a register: bounds of the value, and of each component of the gradient
-
-
-# Codes of the instructions, for the kernels.
-(
-    _NEGATE,
-    _ABS,
-    _SQRT,
-    _SIN,
-    _COS,
-    _TAN,
-    _ASIN,
-    _ACOS,
-    _ATAN,
-    _EXP,
-    _LOG,
-    _FLOOR,
-    _ADD,
-    _SUBTRACT,
-    _MULTIPLY,
-    _DIVIDE,
-    _POWER,
-    _ATAN2,
-    _MINIMUM,
-    _MAXIMUM,
-    _CONSTANT,
-    _PARAMETER,
-    _COPY,
-    _LENGTH,
-    _SCALE,
-    _BEGIN,
-    _END,
-    _SELECT_LESS,
-    _SELECT_LESS_EQUAL,
-    _CALL,
-) = (
-    CODES[name]
-    for name in (
-        "negate",
-        "abs",
-        "sqrt",
-        "sin",
-        "cos",
-        "tan",
-        "asin",
-        "acos",
-        "atan",
-        "exp",
-        "log",
-        "floor",
-        "add",
-        "subtract",
-        "multiply",
-        "divide",
-        "power",
-        "atan2",
-        "minimum",
-        "maximum",
-        "constant",
-        "parameter",
-        "copy",
-        "length",
-        "scale",
-        "begin",
-        "end",
-        "select_less",
-        "select_less_equal",
-        "call",
-    )
-)
+SIZE = ALL
 DEEPEST_LOOP = 16
 
 
 @kernel
 def _function(op, low, high):
-    """Bounds (low, high) of a function of one operand, and of its derivative (low, high)."""
-    if op == _SIN:
-        value, slope = wave_bounds(low, high, 0.5 * HALF_TURN), wave_bounds(low, high, 0.0)
-    elif op == _COS:
-        value, slope = wave_bounds(low, high, 0.0), wave_bounds(low, high, -0.5 * HALF_TURN)
-    elif op == _TAN:
-        if not high - low < HALF_TURN or passes(low, high, 0.5 * HALF_TURN, HALF_TURN):
-            return -math.inf, math.inf, 1.0, math.inf
-        value = math.tan(low), math.tan(high)
-        square = square_bounds(value[0], value[1])
-        slope = 1.0 + square[0], 1.0 + square[1]
-    elif op == _ASIN or op == _ACOS:
+    """Bounds (low, high) of a function of one operand."""
+    if (op == CODE.sin or op == CODE.cos) and not high - low < TURN:  # common, and saves two cosines
+        return -1.0, 1.0
+    if op == CODE.sin:
+        return wave_bounds(math.sin(low), math.sin(high), low, high, 0.25, ROUNDING)
+    if op == CODE.cos:
+        return wave_bounds(math.cos(low), math.cos(high), low, high, 0.0, ROUNDING)
+    if op == CODE.tan:
+        if passes(low, high, 0.25, 0.5, ROUNDING):
+            return -math.inf, math.inf
+        return math.tan(low), math.tan(high)
+    if op == CODE.asin or op == CODE.acos:
         a, b = min(max(low, -1.0), 1.0), min(max(high, -1.0), 1.0)
-        square = square_bounds(a, b)
-        slope = 1.0 / math.sqrt(1.0 - square[0]), 1.0 / math.sqrt(1.0 - square[1])
-        value = math.asin(a), math.asin(b)
-        if op == _ACOS:
-            value, slope = (math.acos(b), math.acos(a)), (-slope[1], -slope[0])
-    elif op == _ATAN:
-        square = square_bounds(low, high)
-        value, slope = (math.atan(low), math.atan(high)), (1.0 / (1.0 + square[1]), 1.0 / (1.0 + square[0]))
-    elif op == _EXP:
-        value = math.exp(low), math.exp(high)
-        slope = value
-    elif op == _LOG:
-        a, b = max(low, 0.0), max(high, 0.0)
-        value, slope = (math.log(a), math.log(b)), (1.0 / b, 1.0 / a)
-    elif op == _SQRT:
-        value = math.sqrt(max(low, 0.0)), math.sqrt(max(high, 0.0))
-        slope = 0.5 / value[1], 0.5 / value[0]
-    else:  # floor
-        value, slope = (math.floor(low), math.floor(high)), (0.0, 0.0)
-    return value[0], value[1], slope[0], slope[1]
+        if op == CODE.asin:
+            return math.asin(a), math.asin(b)
+        return math.acos(b), math.acos(a)
+    if op == CODE.atan:
+        return math.atan(low), math.atan(high)
+    if op == CODE.exp:
+        return math.exp(low), math.exp(high)
+    if op == CODE.log:
+        return math.log(max(low, 0.0)), math.log(max(high, 0.0))
+    if op == CODE.square:
+        return square_bounds(low, high)
+    if op == CODE.sqrt:
+        return math.sqrt(max(low, 0.0)), math.sqrt(max(high, 0.0))
+    return math.floor(low), math.floor(high)
+
+
+@kernel(forceinline=True)
+def _quotient(a_low, a_high, b_low, b_high):
+    """Bounds of a quotient; infinite if the divisor may be 0."""
+    if b_low <= 0.0 <= b_high:
+        return -math.inf, math.inf
+    return quotient_bounds(a_low, a_high, b_low, b_high)
+
+
+@kernel
+def _power(low, high, exponent):
+    """Bounds of a power with a known exponent; infinite if it may be undefined."""
+    if low < 0.0 and exponent != math.floor(exponent):
+        return -math.inf, math.inf
+    return power_bounds(low, high, exponent)
 
 
 # Functions that take the registers for every box are inlined: passing an array costs an atomic reference count.
@@ -202,16 +149,11 @@ def _angle(registers, out, box, y, x):
         registers[x, 0, box],
         registers[x, 1, box],
     )
-    if y_low <= 0.0 <= y_high and x_low <= 0.0:  # the cut, or the centre
-        registers[out, 0, box], registers[out, 1, box] = -HALF_TURN, HALF_TURN
+    cut = (x_low <= 0.0) & (y_low <= 0.0) & (y_high >= 0.0)  # or the centre
+    if cut:  # saves four arctangents
+        registers[out, 0, box], registers[out, 1, box] = -math.pi, math.pi
     else:
-        p, q, r, s = (
-            math.atan2(y_low, x_low),
-            math.atan2(y_low, x_high),
-            math.atan2(y_high, x_low),
-            math.atan2(y_high, x_high),
-        )
-        registers[out, 0, box], registers[out, 1, box] = min(min(p, q), min(r, s)), max(max(p, q), max(r, s))
+        registers[out, 0, box], registers[out, 1, box] = angle_bounds(y_low, y_high, x_low, x_high, cut)
     xx, yy = square_bounds(x_low, x_high), square_bounds(y_low, y_high)
     across, along = unit_bounds(x_low, x_high, yy[0], yy[1]), unit_bounds(y_low, y_high, xx[0], xx[1])
     near, far = 1.0 / math.sqrt(xx[0] + yy[0]), 1.0 / math.sqrt(xx[1] + yy[1])
@@ -240,31 +182,31 @@ def _join(registers, op, out, box, a, b):
         registers[b, 0, box],
         registers[b, 1, box],
     )
-    if op == _MINIMUM or op == _MAXIMUM:
-        if op == _MINIMUM:
+    if op == CODE.minimum or op == CODE.maximum:
+        if op == CODE.minimum:
             low, high, first, second = min(a_low, b_low), min(a_high, b_high), a_low <= b_high, b_low <= a_high
         else:
             low, high, first, second = max(a_low, b_low), max(a_high, b_high), a_high >= b_low, b_high >= a_low
         _choose(registers, out, box, a, b, first or not second, second or not first)
-    elif op == _MULTIPLY and a == b:
+    elif op == CODE.multiply and a == b:
         low, high = square_bounds(a_low, a_high)
         _chain(registers, out, box, a, low, high, 2.0 * a_low, 2.0 * a_high)
-    elif op == _MULTIPLY:
+    elif op == CODE.multiply:
         low, high = product_bounds(a_low, a_high, b_low, b_high)
         for row in range(2, SIZE, 2):
             p = product_bounds(registers[a, row, box], registers[a, row + 1, box], b_low, b_high)
             q = product_bounds(registers[b, row, box], registers[b, row + 1, box], a_low, a_high)
             registers[out, row, box], registers[out, row + 1, box] = p[0] + q[0], p[1] + q[1]
-    elif op == _DIVIDE:
-        low, high = quotient_bounds(a_low, a_high, b_low, b_high)
+    elif op == CODE.divide:
+        low, high = _quotient(a_low, a_high, b_low, b_high)
         for row in range(2, SIZE, 2):
             p = product_bounds(registers[b, row, box], registers[b, row + 1, box], low, high)
-            registers[out, row, box], registers[out, row + 1, box] = quotient_bounds(
+            registers[out, row, box], registers[out, row + 1, box] = _quotient(
                 registers[a, row, box] - p[1], registers[a, row + 1, box] - p[0], b_low, b_high
             )
     elif _is_number(registers, b, box):  # a power with a known exponent
-        low, high = power_bounds(a_low, a_high, b_low)
-        slope = power_bounds(a_low, a_high, b_low - 1.0)
+        low, high = _power(a_low, a_high, b_low)
+        slope = _power(a_low, a_high, b_low - 1.0)
         slope = product_bounds(slope[0], slope[1], b_low, b_low)
         _chain(registers, out, box, a, low, high, slope[0], slope[1])
     else:
@@ -275,7 +217,7 @@ def _join(registers, op, out, box, a, b):
             log_low, log_high = math.log(a_low), math.log(a_high)
             low, high = product_bounds(log_low, log_high, b_low, b_high)
             low, high = math.exp(low), math.exp(high)
-            slope_low, slope_high = quotient_bounds(b_low, b_high, a_low, a_high)
+            slope_low, slope_high = _quotient(b_low, b_high, a_low, a_high)
         for row in range(2, SIZE, 2):
             p = product_bounds(registers[a, row, box], registers[a, row + 1, box], slope_low, slope_high)
             q = product_bounds(registers[b, row, box], registers[b, row + 1, box], log_low, log_high)
@@ -339,54 +281,45 @@ def enclose(instructions, first, count, parameters, slot, registers, rounds):
         row = instructions[at]
         at += 1
         op, out, a, b, c = row.op, row.out, row.a, row.b, row.c
-        if op == _CONSTANT or op == _PARAMETER:
-            value = row.number if op == _CONSTANT else parameters[slot + int(row.number)]
+        if op == CODE.constant or op == CODE.parameter:
+            value = row.number if op == CODE.constant else parameters[slot + int(row.number)]
             for box in range(BOXES):
                 registers[out, 0, box], registers[out, 1, box] = value, value
-            registers[out, 2:] = 0.0
-        elif op == _COPY:
+            registers[out, 2 : row.rows] = 0.0
+        elif op == CODE.copy:
             registers[out] = registers[a]
-        elif op == _ADD:
-            for line in range(SIZE):
+        elif op == CODE.add:
+            for line in range(row.rows):
                 for box in range(BOXES):
                     registers[out, line, box] = registers[a, line, box] + registers[b, line, box]
-        elif op == _SUBTRACT:
-            for line in range(SIZE):
+        elif op == CODE.subtract:
+            for line in range(row.rows):
                 for box in range(BOXES):
                     registers[out, line, box] = registers[a, line, box] - registers[b, line ^ 1, box]
-        elif op == _NEGATE:
-            for line in range(SIZE):
+        elif op == CODE.negate:
+            for line in range(row.rows):
                 for box in range(BOXES):
                     registers[out, line, box] = -registers[a, line ^ 1, box]
-        elif op == _SCALE:
+        elif op == CODE.scale:
             number = registers[b, 0, 0]
             swap = 1 if number < 0.0 else 0
             for line in range(SIZE):
                 for box in range(BOXES):
                     registers[out, line, box] = times(registers[a, line ^ swap, box], number)
-        elif op == _ABS:
+        elif op == CODE.abs:
             for box in range(BOXES):
                 low, high = registers[a, 0, box], registers[a, 1, box]
-                least = 0.0 if low <= 0.0 <= high else min(abs(low), abs(high))
-                _chain(
-                    registers,
-                    out,
-                    box,
-                    a,
-                    least,
-                    max(abs(low), abs(high)),
-                    -1.0 if low < 0.0 else 1.0,
-                    1.0 if high > 0.0 else -1.0,
-                )
-        elif op == _LENGTH:
+                least, most = abs_bounds(low, high)
+                _chain(registers, out, box, a, least, most, -1.0 if low < 0.0 else 1.0, 1.0 if high > 0.0 else -1.0)
+        elif op == CODE.length:
             for box in range(BOXES):
                 _length(registers, out, box, a, b, c, row.d)
-        elif op == _ATAN2:
+        elif op == CODE.atan2:
             for box in range(BOXES):
                 _angle(registers, out, box, a, b)
-        elif op == _SELECT_LESS or op == _SELECT_LESS_EQUAL:
+        elif op == CODE.select_less or op == CODE.select_less_equal:
             for box in range(BOXES):
-                certain, possible = _less(registers, a, b, box, op == _SELECT_LESS_EQUAL)
+                certain, possible = _less(registers, a, b, box, op == CODE.select_less_equal)
                 low, high = math.inf, -math.inf
                 if possible:
                     low, high = registers[c, 0, box], registers[c, 1, box]
@@ -394,7 +327,7 @@ def enclose(instructions, first, count, parameters, slot, registers, rounds):
                     low, high = min(low, registers[row.d, 0, box]), max(high, registers[row.d, 1, box])
                 _choose(registers, out, box, c, row.d, possible, not certain)
                 registers[out, 0, box], registers[out, 1, box] = low, high
-        elif op == _BEGIN:
+        elif op == CODE.begin:
             # ``rounds`` has the remaining iterations, and the position to jump back to.
             count_of_rounds = registers[a, 0, 0]
             left = int(min(max(count_of_rounds, 0.0), row.number)) if count_of_rounds == count_of_rounds else 0
@@ -404,7 +337,7 @@ def enclose(instructions, first, count, parameters, slot, registers, rounds):
             else:
                 rounds[depth, 0], rounds[depth, 1] = left, b
                 depth += 1
-        elif op == _END:
+        elif op == CODE.end:
             begin = instructions[first + out]
             going = False
             for box in range(BOXES):
@@ -425,17 +358,28 @@ def enclose(instructions, first, count, parameters, slot, registers, rounds):
                 at = first + out + 1
             else:
                 depth -= 1
-        elif op == _CALL:
+        elif op == CODE.call:
             _call(registers, row, numbers)
-        elif op == _MULTIPLY or op == _DIVIDE or op == _MINIMUM or op == _MAXIMUM or op == _POWER:
+        elif op == CODE.multiply or op == CODE.divide or op == CODE.minimum or op == CODE.maximum or op == CODE.power:
             for box in range(BOXES):
                 _join(registers, op, out, box, a, b)
-        else:
+        elif op == CODE.chain:
             for box in range(BOXES):
-                low, high, slope_low, slope_high = _function(op, registers[a, 0, box], registers[a, 1, box])
-                _chain(registers, out, box, a, low, high, slope_low, slope_high)
-        if op != _BEGIN and op != _END:
-            for line in range(0, SIZE, 2):
+                low, high = registers[b, 0, box], registers[b, 1, box]
+                _chain(registers, out, box, a, low, high, registers[c, 0, box], registers[c, 1, box])
+        elif op == CODE.divide_by_positive:
+            for box in range(BOXES):
+                registers[out, 0, box], registers[out, 1, box] = quotient_bounds(
+                    registers[a, 0, box], registers[a, 1, box], max(registers[b, 0, box], 0.0), registers[b, 1, box]
+                )
+        else:
+            registers[out, 2 : row.rows] = 0.0  # of ``floor``; functions have ``chain`` for their gradients
+            for box in range(BOXES):
+                registers[out, 0, box], registers[out, 1, box] = _function(
+                    op, registers[a, 0, box], registers[a, 1, box]
+                )
+        if op != CODE.begin and op != CODE.end:
+            for line in range(0, row.rows, 2):
                 for box in range(BOXES):  # NaN is unknown
                     low, high = registers[out, line, box], registers[out, line + 1, box]
                     if not low <= high:

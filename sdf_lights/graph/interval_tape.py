@@ -1,16 +1,18 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The tape of a formula: its graph as a list of instructions on registers, for ``enclosures.enclose``."""
+"""The tape of a formula: its graph as a list of instructions on registers, for ``interval_interpreter.enclose``."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
+import collections
+import functools
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...graph.formula import CALL, CONSTANT, ITERATE, PARAMETER, POINT, RESULT, STATE, Formula, apply, body, sqrt
-from ...graph.functions import TableFunction, compiled_part
-from ...graph.operations import CONDITIONS, OPERATIONS
+from .formula import CALL, CONSTANT, ITERATE, PARAMETER, POINT, RESULT, STATE, Formula, apply, body, sqrt
+from .functions import TableFunction, compiled_part
+from .operations import CONDITIONS, OPERATIONS
 
 CALL_NUMBERS = 32  # operands or results of a function of tables
 
@@ -21,13 +23,20 @@ NAMES = [
     "copy",
     "length",
     "scale",
+    "chain",  # the value of b, with the gradient of a times c
+    # Of values alone:
+    "square",
+    "divide_by_positive",
     "begin",
     "end",
     "select_less",
     "select_less_equal",
     "call",
 ]
-CODES = {name: code for code, name in enumerate(NAMES)}
+CODE: Any = collections.namedtuple("Code", NAMES)(*range(len(NAMES)))
+"""The number of each instruction, by its name."""
+
+VALUE, ALL = 2, 8  # rows of a register: bounds of the value; those of each component of the gradient, too
 
 INSTRUCTION = np.dtype(
     [
@@ -38,6 +47,7 @@ INSTRUCTION = np.dtype(
         ("c", np.int64),
         ("d", np.int64),  # registers of the operands; see ``_Writer``
         ("number", np.float64),  # value of a constant, or the slot of a parameter
+        ("rows", np.int64),  # ``VALUE`` if nobody needs the gradient, else ``ALL``
     ],
     align=True,
 )
@@ -49,6 +59,26 @@ class Tape(NamedTuple):
     instructions: np.ndarray  # INSTRUCTION
     registers: int
     result: int
+
+
+class _Values:
+    """The algebra of ``operations.Operation.derivative`` that writes instructions. Operands and results are registers,
+    without gradients. Derivatives divide only by what is positive where they are defined."""
+
+    def __init__(self, writer: _Writer):
+        self.writer = writer
+
+    def __getattr__(self, kind: str):
+        return functools.partial(self.writer.emit, kind, rows=VALUE)
+
+    def number(self, value: float) -> int:
+        return self.writer.emit("constant", number=value, rows=VALUE)
+
+    def square(self, a: int) -> int:
+        return self.writer.emit("square", a, rows=VALUE)
+
+    def divide(self, a: int, b: int) -> int:
+        return self.writer.emit("divide_by_positive", a, b, rows=VALUE)
 
 
 class _Writer:
@@ -70,9 +100,9 @@ class _Writer:
         self.registers += count
         return self.registers - count
 
-    def emit(self, name: str, *operands: int, out: int | None = None, number: float = 0.0) -> int:
+    def emit(self, name: str, *operands: int, out: int | None = None, number: float = 0.0, rows: int = ALL) -> int:
         out = self.new() if out is None else out
-        self.rows.append((CODES[name], out, *operands, *[0] * (4 - len(operands)), number))
+        self.rows.append((getattr(CODE, name), out, *operands, *[0] * (4 - len(operands)), number, rows))
         return out
 
     def write(self, roots, known: dict[Formula, int]) -> list[int]:
@@ -110,7 +140,11 @@ class _Writer:
         if node.kind == "multiply" and any(operand.kind in (CONSTANT, PARAMETER) for operand in node.operands):
             first = node.operands[0].kind in (CONSTANT, PARAMETER)
             return self.emit("scale", *(operands[::-1] if first else operands))
-        return self.emit(node.kind, *operands)
+        derivative = OPERATIONS[node.kind].derivative
+        if derivative is None:
+            return self.emit(node.kind, *operands)
+        value = self.emit(node.kind, *operands, rows=VALUE)
+        return self.emit("chain", *operands, value, derivative(_Values(self), value, *operands))
 
     def _call(self, node: Formula, operands: list[int]) -> int:
         """a: the first of the contiguous operands; b: their number; c: how many of them are addresses; number: the
