@@ -56,7 +56,8 @@ def judged(name: str, shape, rays, smooth: bool, count: int, turns: int) -> dict
     """One row: a shape traced like a lamp, and the other rules if it is a field."""
     from sdf_lights.emitter.intersection.cover import RESOLUTION
     from support.lamps import oracle
-    from support.lamps.rays import AsField, Traced
+    from support.lamps.rays import Traced
+    from support.lamps.shapes_under_test import FieldOf
     from support.rivals import marching
 
     origins, directions = rays(shape, np.random.default_rng(5), count)
@@ -67,7 +68,7 @@ def judged(name: str, shape, rays, smooth: bool, count: int, turns: int) -> dict
         raise ValueError(f"{name}: no ray meets it, so there is nothing to judge")
     verdict = oracle.judge(shape, origins, directions, found[:, 0].astype(int), found[:, 1], truth)
     few = slice(0, min(MARCHED, count))
-    field = traced if traced.tree.field is not None else Traced(AsField(shape))
+    field = traced if traced.tree.field is not None else Traced(FieldOf(shape))
     _, seconds = _seconds(lambda: traced.trace(origins[few], directions[few]), turns)
     ours, field_seconds = _seconds(lambda: field.trace(origins[few], directions[few]), turns)
     rays_marched = len(ours)

@@ -178,7 +178,7 @@ def _cost_rows(turns: int) -> list[dict]:
     from sdf_lights.sdf.data.voxels import mesh_grid
     from sdf_lights.sdf.shapes import SHAPES
     from support import grids
-    from support.lamps.rays import AsField
+    from support.lamps.shapes_under_test import FieldOf
 
     ring = grids.torus(0.7, 0.25, 256, 128)
     voxel_size = 2.0 / 128
@@ -189,7 +189,7 @@ def _cost_rows(turns: int) -> list[dict]:
         grid = mesh_grid(*ring, voxel_size)
         built.append((time.perf_counter() - wall, time.process_time() - work))
     sponge = SHAPES["menger_sponge"]()
-    costs = _costs({"grid": grid, "sponge": sponge, "sponge as a field": AsField(sponge)}, turns, False)
+    costs = _costs({"grid": grid, "sponge": sponge, "sponge as a field": FieldOf(sponge)}, turns, False)
     costs |= _costs({"1 letter": _text(LETTER), "200 letters": _text(PARAGRAPH)}, turns, True)
     seconds, work = (statistics.median(column) for column in zip(*built))
     return [dict(cost_of=name, ns_per_ray=value) for name, value in costs.items()] + [

@@ -26,8 +26,8 @@ from sdf_lights.sdf.shapes.displacement import NoiseDisplacement
 from sdf_lights.sdf.shapes.orbits import Mandelbulb
 from support.lamps import oracle
 from support.lamps.hard_cases import around
-from support.lamps.rays import AsField, Traced
-from support.lamps.shapes_under_test import moved
+from support.lamps.rays import Traced
+from support.lamps.shapes_under_test import FieldOf, moved
 from support.rivals import marching
 from support.scenes import SCENES, look_at, rotation, translation
 
@@ -188,4 +188,4 @@ def frame(quick):
 @case("sparse-frame-field-cost", slow=True)
 def frame_field(quick):
     """the same where both are traced as fields, as in the paper"""
-    return compared(AsField(BoxFrame(FRAME_HALF, BAR)), AsField(Box(FRAME_HALF)), FRAME, quick)
+    return compared(FieldOf(BoxFrame(FRAME_HALF, BAR)), FieldOf(Box(FRAME_HALF)), FRAME, quick)

@@ -21,8 +21,8 @@ from sdf_lights.sdf.shapes.displacement import NoiseDisplacement
 from sdf_lights.sdf.shapes.orbits import Mandelbulb
 from support.lamps import oracle
 from support.lamps.hard_cases import HARD_CASES, SMOOTH, Case, directions, grazing, inside
-from support.lamps.rays import AsField, Traced
-from support.lamps.shapes_under_test import scaled, turned
+from support.lamps.rays import Traced
+from support.lamps.shapes_under_test import FieldOf, scaled, turned
 
 from . import Figure, case
 
@@ -57,7 +57,7 @@ MORE = {
     "stretched 1 : 10,000": Case(Transformed(SMOOTH, turned(0.7, 1) @ scaled(100.0, 1.0, 0.01))),
     "Mandelbulb": Case(Mandelbulb()),
     "Mandelbulb, close": Case(Mandelbulb(), close_up((1e-4, 1e-2))),
-    "sparse frame": Case(AsField(BoxFrame((0.6, 0.5, 0.4), 0.004))),
+    "sparse frame": Case(FieldOf(BoxFrame((0.6, 0.5, 0.4), 0.004))),
     "high-frequency noise": Case(NoiseDisplacement(Sphere(0.7), 0.05, 0.03, 4.0)),
     "noise, from inside": Case(HARD_CASES["noise"].shape, inside),
 }
@@ -66,7 +66,7 @@ MORE = {
 @functools.lru_cache(maxsize=2)
 def tangents(quick: bool) -> tuple[np.ndarray, np.ndarray]:
     """(n,) error of the number of intervals of ``skimming`` rays, and of their length, of the ball as a field."""
-    ball = AsField(Sphere(1.0))
+    ball = FieldOf(Sphere(1.0))
     origins, toward = skimming(ball, np.random.default_rng(1), 10 * (QUICK_RAYS if quick else RAYS))
     found = Traced(ball).trace(origins, toward)
     # Exact for the rounded rays, except for the last rounding: the squared distance of a line is |o × d|² / |d|².
