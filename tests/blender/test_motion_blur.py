@@ -92,8 +92,19 @@ def off(shot, **_):
     shot.cycles.use_motion_blur = False
 
 
-QUICK = [from_the_frame, turns, curve, lens, rolling, form_of_what_moves, small_instances]
-SLOW = [moves, to_the_frame, turns_in_steps, grows, camera, form, form_off, off]
+def off_to_the_frame(shot, scene, camera, **_):
+    to_the_frame(shot, scene)
+    animate(camera, "location", (-0.6, -5.0, 1.0), (0.0, -5.0, 1.0), (0.4, -5.0, 1.2))
+    shot.cycles.use_motion_blur = camera.cycles.use_motion_blur = False
+
+
+def form_off_from_the_frame(shot, scene, **_):
+    form_off(shot)
+    scene.render.motion_blur_position = "START"
+
+
+QUICK = [from_the_frame, turns, curve, lens, rolling, form_of_what_moves, small_instances, off_to_the_frame]
+SLOW = [moves, to_the_frame, turns_in_steps, grows, camera, form, form_off, form_off_from_the_frame, off]
 CASES = [*QUICK, *(pytest.param(build, marks=pytest.mark.slow) for build in SLOW)]
 
 
@@ -157,6 +168,22 @@ def test_nothing_moves_in_a_scene_that_stands_still(blurred, stage, synced):
     assert synced().shutter is not None
     blurred.render.use_motion_blur = False
     assert synced().shutter is None
+
+
+def test_what_is_not_blurred_is_seen_at_the_middle_of_the_shutter(blurred, add, lamp, synced):
+    still, flying = add("Still", lamp()), add("Flying", lamp())
+    lit = add("Lit", bpy.data.lights.new("Lit", "POINT"))
+    for thing in (flying, lit):
+        animate(thing, "location", (-2.0, 0.0, 1.0), (0.0, 0.0, 1.0), (2.0, 0.0, 1.0))
+        thing.cycles.use_motion_blur = False
+    blurred.render.motion_blur_position = "START"
+    blurred.frame_set(5)
+    scene = synced()
+    assert scene.shutter is None and scene.warnings == []
+    lamps = {item.name: item for item in scene.lamps}
+    assert [round(lamps[thing.name].matrix[0, 3], 5) for thing in (still, flying)] == [0.0, 1.0]
+    assert round(scene.lights[0].matrix[0, 3], 5) == 1.0
+    assert flying.location.x == 0.0 and blurred.frame_current == 5
 
 
 def test_an_object_that_comes_while_the_shutter_is_open_stands_still(blurred, add, quad, synced):

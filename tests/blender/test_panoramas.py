@@ -150,6 +150,21 @@ def test_both_eyes_are_those_of_cycles(ball, file, views, name):
         assert np.abs(ours[view] - cycles[view]).mean() < 0.002, view
 
 
+def test_the_eyes_of_a_mirror_ball_are_not_exchanged(ball, file, views):
+    """Cycles gives the left eye's picture to the right view, and that of the right eye to the left one."""
+    ball.render.use_multiview = True
+    data, stereo = file.camera.data, file.camera.data.stereo
+    data.type, data.panorama_type = "PANO", "MIRRORBALL"
+    stereo.use_spherical_stereo, stereo.convergence_mode, stereo.interocular_distance = True, "PARALLEL", 0.8
+    found = {}
+    for ball.render.engine in (ENGINE, "CYCLES"):
+        found[ball.render.engine] = views()
+    ours, cycles = found.values()
+    for view, other in ("LR", "RL"):
+        assert np.abs(ours[view] - cycles[other]).mean() < 0.002, view
+        assert np.abs(ours[view] - cycles[view]).mean() > 0.005, view
+
+
 def test_views_have_cameras_of_their_own(ball, file, views, add):
     """Of any number of views, each is seen by the camera whose name has the view's suffix."""
     ball.render.use_multiview, ball.render.views_format = True, "MULTIVIEW"

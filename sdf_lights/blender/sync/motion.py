@@ -51,7 +51,8 @@ class Placed(NamedTuple):
 
 
 class Wish(NamedTuple):
-    """The motion of an object: the number of steps of the shutter, and whether it deforms; 0 steps: it stands still."""
+    """The motion of an object: the number of steps of the shutter, and whether it deforms. With 0 steps it stands
+    still."""
 
     steps: int
     forms: bool
@@ -120,15 +121,15 @@ class Motion:
         wishes, deforms = self._wishes(placed, forms)
         camera = self._wish(camera_object).steps if camera_object is not None else 0
         steps = max([camera, *(wish.steps for wish in wishes.values())], default=0)
-        if steps == 0:
+        if steps == 0 and not self._has_other_middle():
             return
+        steps = steps or 2
         self._frame = blender_scene.frame_current, blender_scene.frame_subframe
         seen = [Seen(placed, forms, deforms) for _ in range(steps + 1)]
         eyes: list[list[Camera]] = [[] for _ in views]
         try:
             for step in self._times(steps):
-                every = steps // camera if camera else 0
-                if every and step % every == 0:
+                if step in self._steps_of(camera, steps):
                     for eye, at in zip(eyes, self._cameras()):
                         eye.append(at)
                 self._look(seen[step], wishes, step, steps)
@@ -146,9 +147,16 @@ class Motion:
     def _give_camera(self, view: Camera, seen: list[Camera]) -> bool:
         """Write the motion of a camera. Returns whether it moves."""
         if all(same_place(at, seen[0]) for at in seen[1:]):
+            self._stand(view, seen)
             return False
         view.motion = resampled(tuple(seen))
         return True
+
+    def _stand(self, thing, found: list) -> None:
+        """Give something that stands still its state at the middle of the shutter."""
+        if found and self._has_other_middle():
+            for item in fields(thing):
+                setattr(thing, item.name, getattr(found[0], item.name))
 
     def _finish(self) -> None:
         """Called if something moves."""
@@ -161,7 +169,7 @@ class Motion:
         for item, key in self._items(placed):
             wishes[key] = self._wish(item.parent if item.is_instance else None, item.object)
             place = placed[key]
-            if place.instance < 0 or not wishes[key].forms or not wishes[key].steps:
+            if place.instance < 0 or not self._form_steps(wishes[key], wishes[key].steps or 2):
                 continue
             if key.obj not in known:
                 known[key.obj] = item.object.is_deform_modified(self._depsgraph.scene_eval, "RENDER")
@@ -193,6 +201,22 @@ class Motion:
         length = render.motion_blur_shutter
         return _OPENS.get(render.motion_blur_position, -0.5) * length, length
 
+    def _has_other_middle(self) -> bool:
+        """Whether the shutter is not half open at the frame itself. As in Cycles, what is not blurred then has its
+        state of that middle."""
+        opens, length = self._span()
+        return opens + 0.5 * length != 0.0
+
+    def _steps_of(self, wished: int, steps: int) -> range:
+        """Which of the times 0 … ``steps`` count for something that wishes a number of steps."""
+        if wished:
+            return range(0, steps + 1, steps // wished)
+        return range(steps // 2, steps // 2 + int(self._has_other_middle()))
+
+    def _form_steps(self, wish: Wish, steps: int) -> range:
+        """The same for its vertices."""
+        return self._steps_of(wish.steps if wish.forms else 0, steps)
+
     def _go_back(self) -> None:
         self._engine.frame_set(*self._frame)
 
@@ -200,7 +224,7 @@ class Motion:
         """Record the present state of everything needed at this step."""
         for item, key in self._items(wishes):
             wish = wishes[key]
-            if wish.steps and step % (steps // wish.steps) == 0:
+            if step in self._steps_of(wish.steps, steps):
                 seen.note(key, item, self._depsgraph, self._scene)
 
     def _give(
@@ -210,17 +234,18 @@ class Motion:
         moves = False
         for key, place in placed.items():
             wish = wishes.get(key)
-            if wish is None or not wish.steps:
-                continue
-            those = seen[:: steps // wish.steps]
-            if any(key not in each.places for each in those):
-                continue  # it appears or disappears
+            those = [seen[step] for step in self._steps_of(wish.steps, steps)] if wish is not None else []
+            if not those or any(key not in each.places for each in those):
+                continue  # it stands still, appears or disappears
             found = [each.places[key] for each in those]
             if place.instance >= 0:
+                instance = self._scene.instances[place.instance]
                 if any(not np.array_equal(matrix, found[0]) for matrix in found[1:]):
-                    self._scene.instances[place.instance].motion, moves = poses(np.stack(found)), True
-                mesh = self._scene.instances[place.instance].mesh
-                if mesh in deforms and self._reform(mesh, those):
+                    instance.motion, moves = poses(np.stack(found)), True
+                elif self._has_other_middle():
+                    instance.matrix = found[0]
+                mesh = instance.mesh
+                if mesh in deforms and self._reform(mesh, [seen[step] for step in self._form_steps(wish, steps)]):
                     moves = True
                 deforms.discard(mesh)
             else:
@@ -230,12 +255,16 @@ class Motion:
     def _reform(self, index: int, seen: list[Seen]) -> bool:
         if any(index not in each.forms for each in seen):
             return False  # its vertices change at some time
+        mesh = self._scene.meshes[index]
         forms = [each.forms[index] for each in seen]
+        if self._has_other_middle():  # it may stand still, but not as at the frame
+            first, forms = Form(mesh.positions, mesh.normals, mesh.radii), forms if len(forms) > 1 else 2 * forms
+        else:
+            first = forms[0]
+        if all(_same_form(form, first) for form in forms):
+            return False
         positions = [form.positions for form in forms]
         sizes = [form.radii for form in forms]
-        if all(_same_form(form, forms[0]) for form in forms[1:]):
-            return False
-        mesh = self._scene.meshes[index]
         mesh.motion = np.stack(positions)
         if mesh.normals is not None:
             mesh.motion_normals = np.stack([form.normals for form in forms])
@@ -259,6 +288,7 @@ class Motion:
         kept = {name: getattr(light, name) for name in _KEPT}
         found = [replace(other, **kept) for other in found]
         if all(same_place(other, found[0]) for other in found[1:]):
+            self._stand(light, found)
             return False
         light.motion = resampled(tuple(found))
         return True
