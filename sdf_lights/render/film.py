@@ -172,7 +172,7 @@ class Film:
             return self._shadow(of)[0].reshape(-1, self.width, 3).astype(np.float32)
         if item.rule is Rule.MATTE:
             return self._matte(item, of).reshape(-1, self.width, 4)
-        parts = [of(self.surfaces if item.rule is Rule.SURFACE_MEAN else self.count)]
+        parts = [of(self.count)]
         parts += [of(values) for values in self._sums_of(item.source)]
         if len(parts) > 2:
             parts.append(of(self.divided)[:, :1])

@@ -106,7 +106,7 @@ def _merged(name: str, layers: Sequence[Layer], weights: np.ndarray) -> np.ndarr
         return values[0]
     if item.rule is Rule.FIRST:
         return _first(name, layers)
-    if item.rule in (Rule.SURFACE_MEAN, Rule.WEIGHTED):
+    if item.rule is Rule.WEIGHTED:
         met = [value.any(axis=2, keepdims=True) for value in values]
         total = sum(weight * there for weight, there in zip(weights, met))
         return (_mean(values, weights) / np.where(total > 0.0, total, 1.0)).astype(np.float32)

@@ -22,7 +22,6 @@ class Rule(enum.Enum):
     """How the samples of a pixel become its value."""
 
     MEAN = "MEAN"  # over all samples
-    SURFACE_MEAN = "SURFACE_MEAN"  # over the samples that hit a surface, so edges do not blend with nothing
     FIRST = "FIRST"  # of the first sample that hit a surface: distances must not be averaged
     NUMBER = "NUMBER"  # of the first sample, 0 if that hit no surface: object numbers must not be averaged
     COMPLEMENT = "COMPLEMENT"  # 1 less the mean over all samples
@@ -138,7 +137,7 @@ PASSES = (
     Pass(
         "Position", "XYZ", Kind.VECTOR, Rule.FIRST, "position", "use_pass_position", "Position in the world, in metres"
     ),
-    Pass("Normal", "XYZ", Kind.VECTOR, Rule.SURFACE_MEAN, "normal", "use_pass_normal", "Shading normal in the world"),
+    Pass("Normal", "XYZ", Kind.VECTOR, Rule.MEAN, "normal", "use_pass_normal", "Shading normal in the world"),
     Pass(
         "Vector",
         "XYZW",
