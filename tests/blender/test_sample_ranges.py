@@ -125,7 +125,7 @@ def test_four_ranges_are_one_render(ranges, file, tmp_path, capsys):
             found, expected = found[inside], expected[inside]
         np.testing.assert_allclose(found, expected, rtol=2e-5, atol=2e-6, err_msg=name)
     # The file says what it has, so it can be joined with more.
-    assert merge_files.share_of(tmp_path, told(tmp_path / "out.exr"), "ViewLayer") == merging.Share(5, 0, 32)
+    assert told(tmp_path / "out.exr") == {"ViewLayer": (merging.Share(5, 0, 32),)}
     file.layer.sdf_lights.use_pass_denoising_data = True
     halves = [str(ranges(samples)) for samples in ("32:36", "36:40")]
     for name, words in (("noisy", []), ("clean", ["--denoise"])):
@@ -142,10 +142,40 @@ def told(path: pathlib.Path) -> dict:
     )
 
 
+def test_a_joined_file_knows_its_gaps(ranges, tmp_path, capsys):
+    first, gap, third = (str(ranges(samples)) for samples in ("0:2", "2:4", "4:6"))
+    out, whole = tmp_path / "out.exr", tmp_path / "whole.exr"
+    assert merge_files.main([str(out), first, third]) == 0
+    assert told(out) == {"ViewLayer": (merging.Share(5, 0, 2), merging.Share(5, 4, 2))}
+    assert merge_files.main([str(whole), str(out), third]) == 1
+    assert "two renders have the same samples (4 to 5 and 4 to 5, seed 5)" in capsys.readouterr().err
+    assert merge_files.main([str(whole), gap, str(out)]) == 0
+    assert told(whole) == {"ViewLayer": (merging.Share(5, 0, 6),)}
+    assert merge_files.main([str(tmp_path / "at_once.exr"), first, gap, third]) == 0
+    at_once = passes_of(merge_files.read(tmp_path / "at_once.exr"))["Combined"]
+    np.testing.assert_allclose(passes_of(merge_files.read(whole))["Combined"], at_once, rtol=1e-6, atol=1e-7)
+
+
+def test_places_that_cannot_be_written(ranges, tmp_path, capsys):
+    parts = [str(ranges(samples)) for samples in ("0:2", "2:4")]
+    (tmp_path / "folder.exr").mkdir()
+    (tmp_path / "file").write_text("not a folder")
+    for place, sentence in (
+        ("out.png", "name a file that ends with .exr"),
+        ("folder.exr", "folder.exr cannot be written"),
+        ("missing/out.exr", "out.exr cannot be written"),
+        ("file/out.exr", "out.exr cannot be written"),
+    ):
+        assert merge_files.main([str(tmp_path / place), *parts]) == 1
+        assert sentence in capsys.readouterr().err
+    assert [path.name for path in tmp_path.rglob(".*")] == []
+
+
 def test_files_that_cannot_be_joined(ranges, file, tmp_path, capsys):
     file.scene.sdf_lights.samples = 4
     first, same = ranges("0:4"), ranges("2:6")
     (tmp_path / "broken.exr").write_bytes(first.read_bytes()[:300])
+    (tmp_path / "half.exr").write_bytes(first.read_bytes()[: first.stat().st_size // 2])
     file.scene.render.resolution_x = 16
     other = ranges("8:12")
     file.layer.use_pass_uv = False
@@ -154,6 +184,7 @@ def test_files_that_cannot_be_joined(ranges, file, tmp_path, capsys):
     for path, sentence in (
         (same, "two renders have the same samples (0 to 3 and 2 to 5, seed 5)"),
         (tmp_path / "broken.exr", "broken.exr cannot be read"),
+        (tmp_path / "half.exr", "half.exr cannot be read"),
         (tmp_path / "missing.exr", "missing.exr cannot be read"),
         (other, "8-12.exr has another size"),
         (fewer, "16-20.exr has other passes"),
