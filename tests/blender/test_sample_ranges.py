@@ -201,6 +201,26 @@ def test_jobs_have_every_sample_once():
         assert len(found) == min(samples, count)
 
 
+@pytest.mark.parametrize("words", ["--samples -4", "--samples 0", "--tasks 0", "--frames 10-1", "--frames all"])
+def test_a_wrong_job_gets_one_sentence(registered, words, tmp_path, capsys):
+    """As argparse ends a program. The number or the frames are named."""
+    with pytest.raises(SystemExit) as end:
+        render_job.command([str(tmp_path / "job.json"), str(tmp_path / "room.blend"), *words.split()])
+    assert end.value.code == 2
+    said = capsys.readouterr().err.splitlines()[-1]
+    assert f"argument {words.split()[0]}: '{words.split()[1]}'" in said
+    assert not (tmp_path / "job.json").exists()
+
+
+def test_a_job_has_the_frames_of_the_command(file, tmp_path):
+    job, blend = tmp_path / "job.json", tmp_path / "Büro 2.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(blend))
+    for frames in ("7", "-3-4", "1-100:2", "1, 5-9"):
+        assert render_job.command([str(job), str(blend), f"--frames={frames}"]) == 0
+        names = {item["name"]: item.get("default") for item in json.loads(job.read_text())["parameterDefinitions"]}
+        assert names["Frames"] == frames and names["File"] == blend.name
+
+
 def test_a_job_is_written(file, stage, tmp_path):
     blend, job = tmp_path / "room.blend", tmp_path / "job.json"
     with pytest.raises(RuntimeError, match="save it, so that other machines can open it"):
