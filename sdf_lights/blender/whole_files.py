@@ -13,6 +13,7 @@ import os
 import bpy
 from bpy.app.handlers import persistent
 
+from .command_line import LOG
 from .naming import ENGINE
 
 UNFINISHED = ".unfinished-"  # before the names of files
@@ -58,10 +59,11 @@ def _finish(scene, *_) -> None:
     for part, path in zip(unfinished, _files(scene)):
         try:
             os.replace(part, path)
+            print(f"Saved: '{path}'")  # as Blender says it: farms look for the names in this line
         except FileNotFoundError:
             pass
         except OSError as error:
-            print(f"{path} cannot be written ({error.strerror}): the frame is in {part}.")
+            LOG.error("%s cannot be written (%s): the frame is in %s.", path, error.strerror, part)
 
 
 @persistent

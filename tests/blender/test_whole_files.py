@@ -63,12 +63,13 @@ def test_an_animation_goes_on_after_it_was_killed(animation, tmp_path):
     assert (animation / "film_0001.exr").stat().st_mtime_ns == first
 
 
-def test_the_path_of_the_scene_is_as_before(animation, file):
+def test_the_path_of_the_scene_is_as_before(animation, file, capsys):
     scene = file.scene
     for path in (str(animation / "film_####"), str(animation) + "/", str(animation / "#_film")):
         scene.render.filepath = path
         bpy.ops.render.render(animation=True)
         assert scene.render.filepath == path
+    assert f"Saved: '{animation / 'film_0003.exr'}'" in capsys.readouterr().out
     bpy.ops.render.render(write_still=True)
     assert scene.render.filepath == path
     names = [path.name for path in animation.iterdir()]
