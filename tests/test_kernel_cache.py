@@ -176,6 +176,36 @@ def test_what_another_copy_has_compiled_is_the_same_bytes_and_is_shipped(tmp_pat
     assert kept(caches[2]) == {}
 
 
+def test_only_what_a_new_version_has_changed_is_compiled_again(tmp_path):
+    """Of two kernels in two modules, after changes of neither, of one, and of the other."""
+    sources, cache = tmp_path / "sources", tmp_path / "cache"
+    shutil.copytree(REPOSITORY / "sdf_lights", sources / "sdf_lights", ignore=shutil.ignore_patterns("__pycache__"))
+    code = (
+        "from sdf_lights.emitter.hashing import seeded; from sdf_lights.emitter.primitives.box import box_span; "
+        "seeded(0.25, 0.5, 0.75); box_span((0.0, 0.0, -3.0), (0.0, 0.0, 1.0), 1.0, 1.0, 0.5)"
+    )
+
+    def compiled() -> list[bool]:
+        """Whether either has new code in the cache."""
+        before = set(cache.glob("*/*/*.kernel"))
+        environment = {**os.environ, "PYTHONPATH": str(sources), "SDF_LIGHTS_CACHE": str(cache)}
+        subprocess.run([sys.executable, "-c", code], env=environment, cwd=tmp_path, check=True)
+        found = {path.name.partition("-")[0] for path in set(cache.glob("*/*/*.kernel")) - before}
+        return [any(name in word for word in found) for name in ("seeded", "box_span")]
+
+    def change(name: str) -> None:
+        path = sources / "sdf_lights" / name
+        path.write_text(path.read_text(encoding="utf-8") + "\nCHANGED = 1\n", encoding="utf-8")
+
+    assert compiled() == [True, True] and compiled() == [False, False]
+    change("emitter/primitives/torus.py")
+    assert compiled() == [False, False]
+    change("emitter/primitives/box.py")
+    assert compiled() == [False, True]
+    change("emitter/hashing.py")
+    assert compiled()[0] and compiled() == [False, False]
+
+
 def test_kernels_of_damaged_files_are_compiled_again(tmp_path):
     first = drawn(tmp_path)
     kept = sorted(tmp_path.rglob("*.kernel"))

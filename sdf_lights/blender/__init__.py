@@ -50,6 +50,7 @@ def _modules():
         scene_report,
         versions,
         viewport,
+        whole_files,
     )
 
     return (
@@ -85,6 +86,7 @@ def _modules():
         beside_cycles,
         command_line,
         render_job,
+        whole_files,
     )
 
 

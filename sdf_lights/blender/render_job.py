@@ -14,6 +14,7 @@ import argparse
 import json
 import os
 import pathlib
+import re
 
 import bpy
 from bpy_extras.io_utils import ExportHelper
@@ -115,6 +116,21 @@ def write(place: str, file: str, folder: str | None, *rest) -> None:
     job.write_text(json.dumps(made, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
 
 
+def _frames(text: str) -> str:
+    """Frames of the command line, in the notation of templates. Raises argparse.ArgumentTypeError."""
+    for part in text.split(","):
+        found = re.fullmatch(r"\s*(-?\d+)(?:-(-?\d+)(?::(\d+))?)?\s*", part, re.ASCII)
+        if found is None or found[2] and int(found[2]) < int(found[1]) or found[3] and int(found[3]) == 0:
+            raise argparse.ArgumentTypeError(f"{text!r} are not frames: write them as 7, 1-10 or 1-100:2")
+    return text
+
+
+def _at_least_one(text: str) -> int:
+    if not (text.isascii() and text.isdecimal() and int(text[:12]) > 0):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number: write a whole number from 1")
+    return int(text)
+
+
 def frames_of(scene: bpy.types.Scene) -> str:
     """The frame range of a scene, in the notation of templates."""
     step = f":{scene.frame_step}" if scene.frame_step > 1 else ""
@@ -174,9 +190,9 @@ def command(words: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="sdf_lights_job", description="Writes a job for a render farm.")
     parser.add_argument("out", help="the template to write, a .json")
     parser.add_argument("file", help="the .blend to render")
-    parser.add_argument("--frames", help="such as 1-10 or 1-100:2; by default those of the file")
-    parser.add_argument("--samples", type=int, help="by default those of the file")
-    parser.add_argument("--tasks", type=int, default=4, help="tasks that share the samples of a frame")
+    parser.add_argument("--frames", type=_frames, help="such as 1-10 or 1-100:2; by default those of the file")
+    parser.add_argument("--samples", type=_at_least_one, help="by default those of the file")
+    parser.add_argument("--tasks", type=_at_least_one, default=4, help="tasks that share the samples of a frame")
     parser.add_argument("--folder", help="folder of the frames; by default beside the file")
     parser.add_argument("--denoise", action="store_true", help="denoise each joined frame")
     parser.add_argument("--movie", action="store_true", help="make a movie of the joined frames")
@@ -185,7 +201,7 @@ def command(words: list[str]) -> int:
         bpy.ops.wm.open_mainfile(filepath=os.path.abspath(chosen.file), load_ui=False)
         scene = bpy.context.scene
         frames, samples = chosen.frames or frames_of(scene), chosen.samples or scene.sdf_lights.samples
-        wanted = max(chosen.tasks, 1), chosen.denoise, chosen.movie
+        wanted = chosen.tasks, chosen.denoise, chosen.movie
         write(chosen.out, chosen.file, chosen.folder, frames, samples, *wanted)
     except (OSError, RuntimeError) as error:
         print(f"sdf_lights_job: {str(error).strip()}")

@@ -17,9 +17,10 @@ from dataclasses import dataclass
 import numpy as np
 import OpenImageIO as oiio
 
+from ..kernel_cache import drop
 from .denoise import denoise
 from .errors import RenderError, reason_of
-from .merging import Layer, MergeError, Share, merge, shares
+from .merging import Layer, MergeError, Shares, joined, joined_metadata, merge, shares
 
 
 @dataclass
@@ -64,7 +65,7 @@ def read(path: pathlib.Path) -> list[Part]:
     return parts
 
 
-def share_of(path: pathlib.Path, told: dict[str, Share], layer: str) -> Share:
+def shares_of(path: pathlib.Path, told: dict[str, Shares], layer: str) -> Shares:
     """The samples of a view layer of a file; a file with one layer does not name it. Raises MergeError."""
     if layer in told:
         return told[layer]
@@ -87,41 +88,35 @@ def merged(paths: list[pathlib.Path]) -> list[Part]:
             raise MergeError(f"{path} has other passes than {paths[0]}: render all ranges with the same settings")
         if [part.pixels.shape for part in file] != [part.pixels.shape for part in first]:
             raise MergeError(f"{path} has another size than {paths[0]}: render all ranges with the same settings")
-    joined = [np.empty_like(part.pixels) for part in first]
+    pixels = [np.empty_like(part.pixels) for part in first]
     for (layer, _view), passes in groups(first).items():
         found = merge(
             [
                 Layer(
-                    share_of(path, of_file, layer),
+                    shares_of(path, of_file, layer),
                     {name: file[part].pixels[..., channels] for name, (part, channels) in passes.items()},
                 )
                 for path, of_file, file in zip(paths, told, files)
             ]
         )
         for name, (part, channels) in passes.items():
-            joined[part][..., channels] = found[name]
-    for part, part.pixels in zip(first, joined):
+            pixels[part][..., channels] = found[name]
+    for part, part.pixels in zip(first, pixels):
         for layer in told[0]:
-            for key, value in (
-                together([of_file[layer] for of_file in told if layer in of_file]).metadata(layer).items()
-            ):
+            parts = joined([share for of_file in told for share in of_file.get(layer, ())])
+            for key, value in joined_metadata(layer, parts).items():
                 part.spec.attribute(key, value)
     return first
 
 
-def together(parts: list[Share]) -> Share:
-    """The share of a joined file. If the ranges have gaps, it begins with the first."""
-    return Share(parts[0].seed, min(part.first for part in parts), sum(part.count for part in parts))
-
-
 def write(path: pathlib.Path, parts: list[Part]) -> None:
     """Write a file, under a temporary name until it is complete. Raises MergeError."""
+    if path.suffix.lower() != ".exr":  # other formats would lose passes
+        raise MergeError(f"{path} is not the name of an OpenEXR file: name a file that ends with .exr")
     unfinished = path.with_name(f".{path.stem}-{os.getpid()}{path.suffix}")
     target = oiio.ImageOutput.create(str(unfinished))
     if target is None:
-        raise MergeError(
-            f"{path} cannot be written ({reason_of(oiio, 'no reason is given')}): name a file that ends with .exr"
-        )
+        raise MergeError(f"{path} cannot be written ({reason_of(oiio, 'no reason is given')}): update OpenImageIO")
     try:
         specs = tuple(part.spec for part in parts)
         done = target.open(str(unfinished), specs) if len(specs) > 1 else target.open(str(unfinished), specs[0])
@@ -135,8 +130,10 @@ def write(path: pathlib.Path, parts: list[Part]) -> None:
                 "permissions there"
             )
         os.replace(unfinished, path)
+    except OSError as error:
+        raise MergeError(f"{path} cannot be written ({error.strerror}): name a file that is not a folder") from error
     finally:
-        unfinished.unlink(missing_ok=True)
+        drop(unfinished)
 
 
 def denoise_combined(parts: list[Part]) -> None:

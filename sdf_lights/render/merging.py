@@ -8,6 +8,7 @@ picture has no bias, even if pixels took more or fewer samples.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -42,15 +43,47 @@ class Share:
         )
 
 
-def shares(metadata: Mapping[str, str]) -> dict[str, Share]:
-    """The share of each view layer, from the metadata of a file."""
-    found: dict[str, dict[str, int]] = {}
+Shares = tuple[Share, ...]
+_JOINED = "joined"  # of a file that was joined: the numbers of all its shares
+
+
+def shares(metadata: Mapping[str, str]) -> dict[str, Shares]:
+    """The shares of each view layer, from the metadata of a file."""
+    found: dict[str, dict[str, list[int]]] = {}
     for key, value in metadata.items():
         prefix, _, rest = key.partition(".")
         layer, _, name = rest.rpartition(".")
-        if prefix == _PREFIX and name in Share.__annotations__ and str(value).isdecimal():
-            found.setdefault(layer, {})[name] = int(value)
-    return {layer: Share(**numbers) for layer, numbers in found.items() if len(numbers) == len(Share.__annotations__)}
+        words = str(value).split()
+        if prefix == _PREFIX and all(map(str.isdecimal, words)):
+            found.setdefault(layer, {})[name] = [int(word) for word in words]
+    return {layer: told for layer, numbers in found.items() if (told := _told(numbers))}
+
+
+def _told(numbers: Mapping[str, list[int]]) -> Shares:
+    width = len(Share.__annotations__)
+    flat = numbers.get(_JOINED) or [number for name in Share.__annotations__ for number in numbers.get(name, ())]
+    if len(flat) % width:
+        return ()
+    return tuple(Share(*flat[start : start + width]) for start in range(0, len(flat), width))
+
+
+def joined(parts: Sequence[Share]) -> Shares:
+    """The shares of a joined file, in order: adjoining ranges become one."""
+    found: list[Share] = []
+    for part in sorted(parts, key=lambda part: (part.seed, part.first)):
+        last = found[-1] if found else None
+        if last is not None and last.seed == part.seed and last.first + last.count == part.first:
+            found[-1] = Share(last.seed, last.first, last.count + part.count)
+        else:
+            found.append(part)
+    return tuple(found)
+
+
+def joined_metadata(layer: str, parts: Shares) -> dict[str, str]:
+    """The metadata of a view layer in a joined file."""
+    numbers = (str(value) for part in parts for value in vars(part).values())
+    whole = Share(parts[0].seed, parts[0].first, sum(part.count for part in parts))
+    return whole.metadata(layer) | {f"{_PREFIX}.{layer}.{_JOINED}": " ".join(numbers)}
 
 
 _BY_NAME = {item.name: item for item in PASSES} | {
@@ -63,22 +96,22 @@ _COLORS = {item.source: item.name for item in PASSES if item.source in {other.pe
 class Layer:
     """The passes of a view layer in a file, (height, width, channels) float32 by the name of the pass, in one view."""
 
-    share: Share
+    shares: Shares
     passes: dict[str, np.ndarray]
 
 
 def merge(layers: Sequence[Layer]) -> dict[str, np.ndarray]:
     """The passes of all ``layers`` together. They have the same passes and sizes. Raises MergeError if two of them have
     the same samples."""
-    layers = sorted(layers, key=lambda layer: layer.share.first)
+    layers = sorted(layers, key=lambda layer: layer.shares[0].first)
     for index, layer in enumerate(layers):
-        for other in layers[:index]:
-            if layer.share.overlaps(other.share):
+        for own, other in itertools.product(layer.shares, (share for one in layers[:index] for share in one.shares)):
+            if own.overlaps(other):
                 raise MergeError(
-                    f"two renders have the same samples ({_range(other.share)} and {_range(layer.share)}, seed "
-                    f"{layer.share.seed}): give each a separate range with --sdf-samples, or another seed"
+                    f"two renders have the same samples ({_range(other)} and {_range(own)}, seed "
+                    f"{own.seed}): give each a separate range with --sdf-samples, or another seed"
                 )
-    weights = np.array([layer.share.count for layer in layers], float)
+    weights = np.array([sum(share.count for share in layer.shares) for layer in layers], float)
     weights /= weights.sum()
     found = {name: _merged(name, layers, weights) for name in layers[0].passes if _matte_kind(name) is None}
     for kind in MATTES.values():

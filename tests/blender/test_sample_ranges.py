@@ -121,7 +121,7 @@ def test_four_ranges_are_one_render(ranges, file, tmp_path, capsys):
             continue
         np.testing.assert_allclose(found, expected, rtol=2e-5, atol=2e-6, err_msg=name)
     # The file says what it has, so it can be joined with more.
-    assert merge_files.share_of(tmp_path, told(tmp_path / "out.exr"), "ViewLayer") == merging.Share(5, 0, 32)
+    assert told(tmp_path / "out.exr") == {"ViewLayer": (merging.Share(5, 0, 32),)}
     file.layer.sdf_lights.use_pass_denoising_data = True
     halves = [str(ranges(samples)) for samples in ("32:36", "36:40")]
     for name, words in (("noisy", []), ("clean", ["--denoise"])):
@@ -138,10 +138,40 @@ def told(path: pathlib.Path) -> dict:
     )
 
 
+def test_a_joined_file_knows_its_gaps(ranges, tmp_path, capsys):
+    first, gap, third = (str(ranges(samples)) for samples in ("0:2", "2:4", "4:6"))
+    out, whole = tmp_path / "out.exr", tmp_path / "whole.exr"
+    assert merge_files.main([str(out), first, third]) == 0
+    assert told(out) == {"ViewLayer": (merging.Share(5, 0, 2), merging.Share(5, 4, 2))}
+    assert merge_files.main([str(whole), str(out), third]) == 1
+    assert "two renders have the same samples (4 to 5 and 4 to 5, seed 5)" in capsys.readouterr().err
+    assert merge_files.main([str(whole), gap, str(out)]) == 0
+    assert told(whole) == {"ViewLayer": (merging.Share(5, 0, 6),)}
+    assert merge_files.main([str(tmp_path / "at_once.exr"), first, gap, third]) == 0
+    at_once = passes_of(merge_files.read(tmp_path / "at_once.exr"))["Combined"]
+    np.testing.assert_allclose(passes_of(merge_files.read(whole))["Combined"], at_once, rtol=1e-6, atol=1e-7)
+
+
+def test_places_that_cannot_be_written(ranges, tmp_path, capsys):
+    parts = [str(ranges(samples)) for samples in ("0:2", "2:4")]
+    (tmp_path / "folder.exr").mkdir()
+    (tmp_path / "file").write_text("not a folder")
+    for place, sentence in (
+        ("out.png", "name a file that ends with .exr"),
+        ("folder.exr", "folder.exr cannot be written"),
+        ("missing/out.exr", "out.exr cannot be written"),
+        ("file/out.exr", "out.exr cannot be written"),
+    ):
+        assert merge_files.main([str(tmp_path / place), *parts]) == 1
+        assert sentence in capsys.readouterr().err
+    assert [path.name for path in tmp_path.rglob(".*")] == []
+
+
 def test_files_that_cannot_be_joined(ranges, file, tmp_path, capsys):
     file.scene.sdf_lights.samples = 4
     first, same = ranges("0:4"), ranges("2:6")
     (tmp_path / "broken.exr").write_bytes(first.read_bytes()[:300])
+    (tmp_path / "half.exr").write_bytes(first.read_bytes()[: first.stat().st_size // 2])
     file.scene.render.resolution_x = 16
     other = ranges("8:12")
     file.layer.use_pass_uv = False
@@ -150,6 +180,7 @@ def test_files_that_cannot_be_joined(ranges, file, tmp_path, capsys):
     for path, sentence in (
         (same, "two renders have the same samples (0 to 3 and 2 to 5, seed 5)"),
         (tmp_path / "broken.exr", "broken.exr cannot be read"),
+        (tmp_path / "half.exr", "half.exr cannot be read"),
         (tmp_path / "missing.exr", "missing.exr cannot be read"),
         (other, "8-12.exr has another size"),
         (fewer, "16-20.exr has other passes"),
@@ -164,6 +195,26 @@ def test_jobs_have_every_sample_once():
         found = render_job.ranges(samples, count)
         assert [index for first, end in found for index in range(first, end)] == list(range(samples))
         assert len(found) == min(samples, count)
+
+
+@pytest.mark.parametrize("words", ["--samples -4", "--samples 0", "--tasks 0", "--frames 10-1", "--frames all"])
+def test_a_wrong_job_gets_one_sentence(registered, words, tmp_path, capsys):
+    """As argparse ends a program. The number or the frames are named."""
+    with pytest.raises(SystemExit) as end:
+        render_job.command([str(tmp_path / "job.json"), str(tmp_path / "room.blend"), *words.split()])
+    assert end.value.code == 2
+    said = capsys.readouterr().err.splitlines()[-1]
+    assert f"argument {words.split()[0]}: '{words.split()[1]}'" in said
+    assert not (tmp_path / "job.json").exists()
+
+
+def test_a_job_has_the_frames_of_the_command(file, tmp_path):
+    job, blend = tmp_path / "job.json", tmp_path / "Büro 2.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(blend))
+    for frames in ("7", "-3-4", "1-100:2", "1, 5-9"):
+        assert render_job.command([str(job), str(blend), f"--frames={frames}"]) == 0
+        names = {item["name"]: item.get("default") for item in json.loads(job.read_text())["parameterDefinitions"]}
+        assert names["Frames"] == frames and names["File"] == blend.name
 
 
 def test_a_job_is_written(file, stage, tmp_path):
