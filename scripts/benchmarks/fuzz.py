@@ -119,14 +119,20 @@ def row_of(seed: int, options: argparse.Namespace) -> dict:
     )
 
 
+def _built(cases: list, size: int) -> tuple:
+    """The grid of the tiles of these cases, and a scene that shows it."""
+    grid = node_scenes.grid_of(cases, size)
+    scene, problems = node_scenes.build(grid)
+    if problems:
+        raise RuntimeError(f"these nodes cannot be built: {problems}")
+    return grid, scene
+
+
 def tree_rows(seeds: range, device: str) -> list[dict]:
     """Rows of the random node trees of these seeds, in one picture: the part of their pixels that differ, but for those
     beside jumps."""
     cases = [random_nodes.case(seed) for seed in seeds]
-    grid = node_scenes.grid_of(cases, TREE_SIZE)
-    scene, problems = node_scenes.build(grid)
-    if problems:
-        raise RuntimeError(f"these trees cannot be built: {problems}")
+    grid, scene = _built(cases, TREE_SIZE)
     made = {}
     for engine in ENGINES:
         node_scenes.settings(scene, engine, TREE_SAMPLES, 0, False, device)
@@ -148,10 +154,7 @@ def tree_rows(seeds: range, device: str) -> list[dict]:
 def closure_rows(seeds: range, device: str) -> list[dict]:
     """Rows of the random shaders of these seeds, on balls in one picture."""
     cases = [random_nodes.closure_case(seed) for seed in seeds]
-    grid = node_scenes.grid_of(cases, CLOSURE_SIZE)
-    scene, problems = node_scenes.build(grid)
-    if problems:
-        raise RuntimeError(f"these shaders cannot be built: {problems}")
+    grid, scene = _built(cases, CLOSURE_SIZE)
     made = {}
     for engine in ENGINES:
         node_scenes.settings(scene, engine, CLOSURE_SAMPLES, node_pictures.BOUNCES, True, device)
