@@ -17,8 +17,8 @@ from .shapes.base import Parametric
 def interpolated(start, end, part: float):
     """The shape, profile or emission at ``part``, 0 to 1, of the way between two of them.
 
-    Numbers change on straight lines, and transforms as those of objects. Where two parts differ by more than numbers, as
-    outlines do, the nearer one is taken. So are whole numbers, such as counts.
+    Numbers change on straight lines, and transforms as those of objects. Where two parts differ by more than numbers,
+    as outlines do, the nearer one is taken. So are whole numbers, such as counts.
     """
     if start == end:
         return start
@@ -39,8 +39,8 @@ def interpolated(start, end, part: float):
 
 
 def change(start, end) -> float:
-    """The greatest relative change of a number between two shapes, profiles or emissions, 0 to 2; 0 where they differ by
-    more than numbers, so ``interpolated`` jumps."""
+    """The greatest relative change of a number between two shapes, profiles or emissions, 0 to 2; 0 where they differ
+    by more than numbers, so ``interpolated`` jumps."""
     if start == end or type(start) is not type(end):
         return 0.0
     pairs = [(getattr(start, field.name), getattr(end, field.name)) for field in dataclasses.fields(start)]
