@@ -85,7 +85,10 @@ LAMP = np.dtype(
 )
 
 TABLES = {"lamps": LAMP, "lamp_instructions": INSTRUCTION, **nodes.TABLES, **fields.TABLES, **emissions.TABLES}
-SCALARS = [("lamp_rows", np.int64)]  # rows of ``spans`` for intervals: the most that any lamp of the scene can use
+SCALARS = [
+    ("lamp_rows", np.int64),  # rows of ``spans`` for intervals: the most that any lamp of the scene can use
+    ("region_set", np.int64),  # another number in each of several blocks that share a workspace, where lamps differ
+]
 
 # of a lamp's bounding radius: shorter intervals and gaps are rounding errors of coincident faces
 SMALLEST_INTERVAL = 1e-10

@@ -14,12 +14,22 @@ import math
 
 import numpy as np
 
-from .scene import Instance, Mesh, Scene, Shutter
+from ..affine import Arc
+from ..sdf.interpolation import change, interpolated
+from .scene import Emitter, Instance, Lamp, Mesh, Scene, Shutter
 
 # Greatest angle between two poses: a chord then deviates from its arc by at most 1e-5 of the radius.
 LARGEST_TURN = math.radians(0.5)
 MOST_STEPS = 128  # of Embree, less one
 TABLE = 1024  # parts of an exposure
+# Greatest logarithm of the ratio of two lengths of a light or lamp between two states. Its volume, area and density are
+# powers of them, which kernels interpolate linearly: by at most 0.04 % of them, in the mean over such a step.
+LARGEST_GROWTH = 1.0 / 64.0
+# A lamp whose shape or emission changes has one after the other, each for an equal part of the shutter's time: as many
+# as their numbers change by this fraction, at most so many unless Blender has more poses.
+SMALLEST_CHANGE, MOST_SHAPES = 0.02, 32
+_LINEAR = ("power", "density", "color", "camera_brightness")  # tables are proportional to these numbers
+LEAST_POWER = 1e-9  # of a lamp at any time, relative to that at the frame
 
 
 def exposure(density: np.ndarray) -> np.ndarray:
@@ -35,63 +45,21 @@ def exposure(density: np.ndarray) -> np.ndarray:
     return np.interp(np.linspace(0.0, cdf[-1], TABLE + 1), cdf[used], x[used])
 
 
-def poses(matrices: np.ndarray) -> np.ndarray:
-    """(N, 4, 4) poses for ``motion``, through the (K, 4, 4) ``matrices`` at even times."""
+def poses(matrices: np.ndarray, least: int = 1) -> np.ndarray:
+    """(N, 4, 4) poses for ``motion``, through the (K, 4, 4) ``matrices`` at even times. Between two of them are at
+    least ``least`` steps, a power of two."""
     matrices = np.asarray(matrices, float)
-    steps = [_Step(a, b) for a, b in zip(matrices, matrices[1:])]
-    divisions = max(step.divisions for step in steps)
+    steps = [Arc(a, b) for a, b in zip(matrices, matrices[1:])]
+    divisions = max(least, *(_power_of_two(step.angle / LARGEST_TURN) for step in steps))
     divisions = min(divisions, max(MOST_STEPS // len(steps), 1))
     inner = [step.at(part / divisions) for step in steps for part in range(divisions)]
     return np.stack([*inner, matrices[-1]])
 
 
-class _Step:
-    """From one pose to the next."""
-
-    def __init__(self, start: np.ndarray, end: np.ndarray):
-        self._start, self._end = start, end
-        self._turn, self._stretch = zip(*(_polar(pose[:3, :3]) for pose in (start, end)))
-        self._axis, self._angle = _axis_angle(self._turn[0].T @ self._turn[1])
-        # Powers of two: objects with fewer poses then have one at some of the times of objects with more.
-        self.divisions = 1 << max(math.ceil(math.log2(max(self._angle / LARGEST_TURN, 1.0))), 0)
-
-    def at(self, part: float) -> np.ndarray:
-        if self.divisions == 1 or part == 0.0:
-            return self._start + part * (self._end - self._start)
-        pose = np.eye(4)
-        stretch = self._stretch[0] + part * (self._stretch[1] - self._stretch[0])
-        pose[:3, :3] = self._turn[0] @ _rotation(self._axis, part * self._angle) @ stretch
-        pose[:3, 3] = self._start[:3, 3] + part * (self._end[:3, 3] - self._start[:3, 3])
-        return pose
-
-
-def _polar(linear: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Rotation and stretch (3, 3) whose product is ``linear``; mirroring belongs to the stretch."""
-    left, scales, right = np.linalg.svd(linear)
-    sign = np.sign(np.linalg.det(left @ right)) or 1.0
-    return sign * left @ right, sign * right.T @ np.diag(scales) @ right
-
-
-def _axis_angle(rotation: np.ndarray) -> tuple[np.ndarray, float]:
-    """Unit axis and angle, 0 to π, of a rotation."""
-    twist = 0.5 * np.array(
-        [rotation[2, 1] - rotation[1, 2], rotation[0, 2] - rotation[2, 0], rotation[1, 0] - rotation[0, 1]]
-    )
-    sine, cosine = float(np.linalg.norm(twist)), 0.5 * (float(np.trace(rotation)) - 1.0)
-    angle = math.atan2(sine, cosine)
-    if sine > 1e-6:
-        return twist / sine, angle
-    # Half a turn: the axis is the eigenvector of 1.
-    square = 0.5 * (rotation + np.eye(3))
-    column = square[:, int(np.argmax(square.diagonal()))]
-    return column / max(float(np.linalg.norm(column)), 1e-300), angle
-
-
-def _rotation(axis: np.ndarray, angle: float) -> np.ndarray:
-    """Rodrigues' formula."""
-    x, y, z = axis
-    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.eye(3) + math.sin(angle) * cross + (1.0 - math.cos(angle)) * cross @ cross
+def _power_of_two(count: float) -> int:
+    """The least one that is not below ``count``, and at most ``MOST_STEPS``. So objects with fewer poses have one at
+    some of the times of objects with more."""
+    return 1 << math.ceil(math.log2(min(max(count, 1.0), MOST_STEPS)))
 
 
 def between(values: np.ndarray, time: float) -> np.ndarray:
@@ -136,16 +104,67 @@ def object_at(thing, time: float):
     return dataclasses.replace(blend(thing.motion[first], thing.motion[first + 1], place - first), motion=())
 
 
+def lamp_at(lamp: Lamp, time: float) -> Lamp:
+    """As ``object_at``. A lamp that moves always has some power, so scenes have the same lamps at all times."""
+    there = object_at(lamp, time)
+    if there is lamp:
+        return lamp
+    density = None if lamp.density is None else max(there.density or 0.0, LEAST_POWER * lamp.density)
+    return dataclasses.replace(there, power=max(there.power, LEAST_POWER * lamp.power), density=density)
+
+
+def changes_shape(lamp: Lamp) -> bool:
+    """Whether the shape of a lamp, or the pattern of its emission, changes while the shutter is open."""
+    return any(_form(state) != _form(lamp.motion[0]) for state in lamp.motion)
+
+
+def _form(thing) -> tuple:
+    return (thing.shape, thing.emission) if isinstance(thing, Lamp) else ()
+
+
+def _growth(start: Emitter, end: Emitter) -> float:
+    """Logarithm of the greatest ratio of a length of one to that of the other."""
+    found = 0.0
+    for item in dataclasses.fields(start):
+        a, b = getattr(start, item.name), getattr(end, item.name)
+        if item.name == "matrix":
+            a, b = (np.linalg.svd(matrix[:3, :3], compute_uv=False) for matrix in (a, b))
+        elif item.name in _LINEAR or not (isinstance(a, float) or _numbers(a)) or type(a) is not type(b):
+            continue
+        sizes = np.abs(np.array([a, b], float)).reshape(2, -1)
+        sizes = sizes[:, (sizes[0] != sizes[1]) & np.isfinite(sizes).all(axis=0)]
+        with np.errstate(divide="ignore"):
+            found = max(found, np.abs(np.diff(np.log(sizes), axis=0)).max(initial=0.0))
+    return found
+
+
 def resampled(things: tuple) -> tuple:
-    """``motion`` of a lamp, a light or the camera, from K of itself at even times: as many as its rotation needs."""
+    """``motion`` of a lamp, a light or the camera, from K of itself at even times: as many as its rotation and the
+    change of its shape need."""
     if len(things) < 2:
         return ()
-    matrices = poses(np.stack([thing.matrix for thing in things]))
-    divisions = (len(matrices) - 1) // (len(things) - 1)
+    steps = len(things) - 1
+    changes = any(_form(thing) != _form(things[0]) for thing in things)
+    growth = max(map(_growth, things, things[1:])) if isinstance(things[0], Emitter) else 0.0
+    least = _power_of_two(growth / LARGEST_GROWTH)
+    if changes:
+        wanted = max(change(*pair) for a, b in zip(things, things[1:]) for pair in zip(_form(a), _form(b)))
+        # Two at least, for what jumps to the form at the nearer time.
+        least = max(least, 2, _power_of_two(min(wanted / SMALLEST_CHANGE, MOST_SHAPES / steps)))
+    matrices = poses(np.stack([thing.matrix for thing in things]), least)
+    divisions = (len(matrices) - 1) // steps
     result = []
     for index, matrix in enumerate(matrices):
-        first = min(index // divisions, len(things) - 2)
+        first = min(index // divisions, steps - 1)
         thing = blend(things[first], things[first + 1], index / divisions - first)
+        if changes:  # that of the middle of the time for which it is taken
+            part = min((index + 0.5) / divisions - first, 1.0)
+            names = ("shape", "emission")
+            middle = {
+                name: interpolated(getattr(things[first], name), getattr(things[first + 1], name), part)
+                for name in names
+            }
+            thing = dataclasses.replace(thing, **middle)
         result.append(dataclasses.replace(thing, matrix=matrix, motion=()))
     return tuple(result)
 
@@ -166,7 +185,7 @@ def lighting_at(scene: Scene, time: float) -> dict:
     """Camera, lamps and lights at a time."""
     return {
         "camera": object_at(scene.camera, time),
-        "lamps": [object_at(lamp, time) for lamp in scene.lamps],
+        "lamps": [lamp_at(lamp, time) for lamp in scene.lamps],
         "lights": [object_at(light, time) for light in scene.lights],
     }
 

@@ -146,6 +146,7 @@ class Instance(Emitter):
 class Shutter:
     """Times run from 0, where the shutter opens, to 1. A moving object has its state at K times, evenly from 0 to 1,
     with linear motion in between. ``motion`` of a lamp, a light or the camera is K copies of itself; empty: no motion.
+    A lamp keeps the shape and the emission of each copy until the time of the next one.
 
     ``times`` divide the exposure into equal parts. With ``rolling``, lines are exposed from the top of the frame to its
     bottom, each for this fraction of the time.

@@ -35,7 +35,7 @@ from .lights import (
 )
 from .matrices import look_at, rotation, scaling, translation
 from .meshes import box, quad, sphere
-from .moving_objects import moving, rolling
+from .moving_objects import changing_lamps, moving, rolling
 from .room import GREEN, GREY, HEIGHT, RED, WHITE, WIDTH, add, camera, diffuse, material, room, settings, torus_lamp
 from .subsurface_scattering import subsurface, subsurface_profile
 from .surfaces import (
@@ -91,6 +91,7 @@ SCENES = {
         fisheye,
         orthographic,
         moving,
+        changing_lamps,
         rolling,
     )
 }

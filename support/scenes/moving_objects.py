@@ -12,7 +12,9 @@ from sdf_lights.render import motion
 from sdf_lights.render.lights.area import AreaLight
 from sdf_lights.render.lights.point import PointLight, SpotLight
 from sdf_lights.render.lights.sun import SunLight
-from sdf_lights.render.scene import Scene, Shutter
+from sdf_lights.render.scene import Lamp, Scene, Shutter
+from sdf_lights.sdf import shapes
+from sdf_lights.sdf.emission import EmissionExpression
 
 from .lamps import torus_room
 from .matrices import rotation, scaling, translation
@@ -73,6 +75,36 @@ def moving(width: int = WIDTH, height: int = HEIGHT) -> Scene:
         _over_time(AreaLight("area", translation(0.0, 1.0, 2.2), 15.0, size=(0.4, 0.2)), 2, matrix=turn),
         _over_time(SunLight("sun", rotation("x", 30.0), 0.4, angle=0.2), 2, matrix=rotation("y", 20.0)),
     ]
+    return scene
+
+
+def changing_lamps(width: int = WIDTH, height: int = HEIGHT) -> Scene:
+    """Lamps whose shapes and emissions change: a torus that swells as it flies, a blend of two balls, and a ball
+    whose glow moves inwards."""
+    scene = room(width, height)
+    scene.shutter = Shutter(motion.exposure(np.array([0.5, 1.0, 0.2])))
+    torus = torus_lamp(-0.9, 0.0, 1.6, 30.0, 0.5)
+    balls = [
+        shapes.SHAPES["smooth_union"](
+            shapes.Sphere(0.2), shapes.Transformed(shapes.Sphere(0.15), translation(x, 0.0, 0.0))
+        )
+        for x in (0.1, 0.4)
+    ]
+    glow = EmissionExpression("width = slider(0.05, 0.01, 1)\nexp(-depth / width)")
+    ball = Lamp("ball", shapes.Sphere(0.25), translation(0.0, -0.6, 0.6), 10.0, emission=glow.emission())
+    scene.lamps += [
+        _over_time(torus, 3, matrix=translation(0.5, 0.0, 0.2)),
+        Lamp("balls", balls[0], translation(0.7, 0.4, 1.9) @ rotation("y", 20.0), 20.0, color=(1.0, 0.6, 0.3)),
+        ball,
+    ]
+    changes = (
+        {"shape": shapes.Torus(0.5, 0.05)},
+        {"shape": balls[1]},
+        {"emission": glow.emission({"width": 0.5})},
+    )
+    for lamp, change in zip(scene.lamps, changes):
+        ends = (lamp.motion[0], lamp.motion[-1]) if lamp.motion else (lamp, lamp)
+        lamp.motion = motion.resampled((ends[0], replace(ends[1], **change)))
     return scene
 
 

@@ -10,8 +10,9 @@ import bpy
 def animate(owner, path: str, *values) -> None:
     """Give a property these values at frames one after the other, of which the middle one is rendered."""
     first = 5 - len(values) // 2
+    holder, _, name = path.rpartition(".")
     for frame, value in enumerate(values, first):
-        setattr(owner, path, value)
+        setattr(owner.path_resolve(holder) if holder else owner, name, value)
         owner.keyframe_insert(path, frame=frame)
     action = owner.animation_data.action
     curves = (

@@ -150,15 +150,85 @@ def test_lamps_and_lights_move_and_change(blurred, add, lamp, synced):
     assert flying.location.x == 0.0 and blurred.frame_current == 5
 
 
-def test_a_lamp_keeps_its_shape_and_says_so(blurred, add, lamp, synced):
+def shapes_of(scene, index: int = 0) -> list:
+    return [state.shape for state in scene.lamps[index].motion]
+
+
+def test_a_lamp_changes_its_shape(blurred, add, lamp, synced):
     growing = add("Growing", lamp(radius=0.5))
-    for frame, radius in ((4, 0.4), (5, 0.5), (6, 0.8)):
-        growing.data.sdf_lamp.sphere.radius = radius
-        growing.data.keyframe_insert("sdf_lamp.sphere.radius", frame=frame)
+    animate(growing.data, "sdf_lamp.sphere.radius", 0.4, 0.5, 0.8)
     blurred.frame_set(5)
     scene = synced()
-    assert scene.lamps[0].motion == () and scene.shutter is None
-    assert len(scene.warnings) == 1 and "'Growing' changes its shape" in scene.warnings[0]
+    assert scene.warnings == [] and scene.shutter is not None
+    radii = [shape.radius for shape in shapes_of(scene)]
+    # From 0.45 to 0.5 and to 0.65, each for the time around its own.
+    assert len(radii) == 33
+    np.testing.assert_allclose(radii[:32:31], (0.45 + 0.05 / 32, 0.65 - 0.15 / 32), atol=1e-6)
+    assert np.all(np.diff(radii) >= 0.0) and scene.lamps[0].shape.radius == pytest.approx(0.5)
+    growing.cycles.use_deform_motion = False
+    assert synced().shutter is None
+
+
+def ends(scene, name: str, value) -> list[float]:
+    """A number of a lamp at the first and the last time of the shutter."""
+    states = {lamp.name: lamp.motion for lamp in scene.lamps}[name]
+    return [value(states[0]), value(states[-1])]
+
+
+def test_expressions_and_emissions_change(blurred, add, lamp, synced):
+    written = lamp("Written")
+    written.sdf_lamp.source, written.sdf_lamp.expression = (
+        "EXPRESSION",
+        "size = slider(1, 0.5, 3)\nsphere(size) - box(size / 2)",
+    )
+    glowing = lamp("Glowing")
+    glowing.sdf_lamp.emission.source = "SHELL"
+    for data in (written, glowing):
+        add(data.name, data)
+    for data, name in ((written, "sdf_size"), (glowing, "sdf_emission.thickness")):
+        for frame, value in ((4, 0.6), (6, 1.0)):
+            data[name] = value
+            data.keyframe_insert(f'["{name}"]', frame=frame)
+    blurred.frame_set(5)
+    scene = synced()
+    assert scene.warnings == []
+    ball = ends(scene, "Written", lambda state: state.shape.children[0].radius)
+    thickness = ends(scene, "Glowing", lambda state: state.emission.numbers[0])
+    for found in (ball, thickness):
+        assert 0.6 < found[0] < 0.72 and 0.88 < found[1] < 1.0
+    assert scene.lamps[0].motion[0].shape.formula() is scene.lamps[0].shape.formula()
+
+
+def test_a_lamp_of_nodes_changes(blurred, add, lamp, synced):
+    tree = bpy.data.node_groups.new("Shape", "SDFLIGHTS_NodeTree")
+    ball, end = tree.nodes.new("SDFLIGHTS_Node_sphere"), tree.nodes.new("SDFLIGHTS_Node_output")
+    tree.links.new(ball.outputs[0], end.inputs[0])
+    for frame, radius in ((4, 0.5), (6, 0.9)):
+        ball.value_radius = radius
+        ball.keyframe_insert("value_radius", frame=frame)
+    data = lamp()
+    data.sdf_lamp.nodes, data.sdf_lamp.source = tree, "NODES"
+    add("Nodes", data)
+    blurred.frame_set(5)
+    first, last = ends(synced(), "Nodes", lambda state: state.shape.radius)
+    assert 0.5 < first < 0.65 < 0.75 < last < 0.9
+
+
+def test_a_lamp_of_a_text_changes_in_the_steps_of_its_object(blurred, add, lamp, synced):
+    text = add("Text", bpy.data.curves.new("Text", "FONT"))
+    text.data.body = "O"
+    for frame, (size, height) in ((4, (0.5, 0.1)), (6, (1.5, 0.3))):
+        text.data.size, text.data.extrude = size, height
+        text.data.keyframe_insert("size", frame=frame)
+        text.data.keyframe_insert("extrude", frame=frame)
+    data = lamp()
+    data.sdf_lamp.source, data.sdf_lamp.object = "OBJECT", text
+    add("Sign", data).cycles.motion_steps = 2
+    blurred.frame_set(5)
+    scene = synced()
+    shapes = shapes_of(scene)[:-1]
+    assert len({shape.profile for shape in shapes}) == 5  # the outline of the nearest of the times
+    assert np.all(np.diff([shape.height for shape in shapes]) > 0.0) and scene.warnings == []
 
 
 def test_nothing_moves_in_a_scene_that_stands_still(blurred, stage, synced):

@@ -40,9 +40,10 @@ pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installe
 
 SEEDS, SAMPLES, CONFIDENCE = 6, 8, 0.9999
 FOUND = 2e-3, 2e-2
-# Scenes that are not compared with the others: some have tests of their own, a rolling shutter is not on the GPU, and
-# software OpenGL ends the long loops of a network.
-APART = ("network_lamp", "torus_room", "subsurface", "fog_lamp", "fur", "moving", "moving_strands", "rolling")
+# Scenes that are not compared with the others: some have tests of their own, a rolling shutter and lamps that
+# change are not on the GPU, and software OpenGL ends the long loops of a network.
+MOVING = ("moving", "moving_strands")
+APART = ("network_lamp", "torus_room", "subsurface", "fog_lamp", "fur", "rolling", "changing_lamps", *MOVING)
 SCENES = scenes.SCENES | media.MEDIA_SCENES | strands.STRAND_SCENES
 
 
@@ -254,7 +255,7 @@ def test_lobes_in_fog():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["moving", "moving_strands"])
+@pytest.mark.parametrize("name", MOVING)
 def test_motion_blur(name):
     """On the GPU, all pixels of a sample have the same time, so seeds are compared, not pixels."""
     passes = ("Combined", "Normal", "Emission")

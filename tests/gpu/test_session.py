@@ -59,6 +59,13 @@ def test_the_gpu_says_that_it_has_no_rolling_shutter():
     assert np.abs(blurred - sharp).max() > 0.05
 
 
+def test_the_cpu_takes_over_where_a_lamp_changes_its_shape():
+    scene = scenes.SCENES["changing_lamps"](8, 6)
+    scene.settings.device, scene.settings.samples = Device.GPU, 1
+    film = session.render(scene, ())
+    assert film.made_by == "CPU" and any("“torus”, whose shape changes" in warning for warning in scene.warnings)
+
+
 def test_automatic_is_the_cpu():
     _, film = render(Device.AUTOMATIC, samples=1)
     assert film.made_by == "CPU"

@@ -11,7 +11,9 @@ import pytest
 from sdf_lights import jit
 from sdf_lights.render import motion
 from sdf_lights.render.film import Film
+from sdf_lights.render.lights.point import PointLight
 from sdf_lights.render.scene import Ray, Shutter
+from sdf_lights.sdf.shapes import Box, Difference, Sphere, Torus
 from support import scenes
 
 
@@ -113,3 +115,67 @@ class TestPictures:
             still.lamps[0].matrix = scenes.translation(x, 0.0, 0.0) @ still.lamps[0].matrix
             mean = mean + self.picture(still, 16)[..., :3] / 64
         np.testing.assert_allclose(blurred, mean, atol=0.03 * mean.max())
+
+    @staticmethod
+    def change(shapes, **other):
+        """A torus room whose lamp has these shapes, with no surface, so that only the camera sees it."""
+        scene = scenes.torus_room(24, 16)
+        scene.instances, scene.camera = [], scenes.camera((0.0, -5.5, 1.8), (0.0, 0.0, 1.8), 24, 16, 0.42)
+        lamp = scene.lamps[0]
+        states = [replace(lamp, shape=shape) for shape in shapes]
+        states[-1] = replace(states[-1], **other)
+        lamp.shape, lamp.motion, scene.shutter = shapes[0], motion.resampled(tuple(states)), Shutter()
+        return scene
+
+    def compare_with_stills(self, scene):
+        """Means of blocks of four by four pixels: noise is 1 %."""
+        stills = []
+        for index in range(64):
+            still = motion.at(scene, (index + 0.5) / 64)
+            still.settings = replace(scene.settings, seed=index)
+            stills.append(self.picture(still, 16)[..., :3])
+        found, expected = (
+            each.astype(float).reshape(4, 4, 6, 4, 3).mean(axis=(1, 3))
+            for each in (self.picture(scene, 1024)[..., :3], np.mean(stills, axis=0))
+        )
+        np.testing.assert_allclose(found, expected, atol=0.02 * expected.max())
+        assert found.mean() == pytest.approx(expected.mean(), rel=0.01)
+
+    @pytest.mark.parametrize(
+        "shapes",
+        [
+            (Torus(0.3, 0.1), Torus(0.8, 0.05), Torus(0.5, 0.2)),
+            (Difference(Box(0.3), Sphere(0.35)), Difference(Box(0.6), Sphere(0.75))),
+            (Torus(0.3, 0.1), Box(0.4)),
+        ],
+    )
+    def test_a_lamp_that_changes_its_shape_is_the_mean_of_those_at_all_times(self, shapes):
+        self.compare_with_stills(self.change(shapes, power=30.0))
+
+    def test_a_lamp_that_grows_by_its_transform_has_all_of_its_light(self):
+        """Its volume, matrix and inverse are not linear in time."""
+        lamp = self.change((Torus(0.3, 0.1), Torus(0.3, 0.1))).lamps[0]
+        scene = self.change((lamp.shape,) * 2, matrix=lamp.matrix @ scenes.scaling(3.0, 2.0, 1.0))
+        self.compare_with_stills(scene)
+
+    def test_a_light_that_grows_has_all_of_its_light(self):
+        scene = scenes.torus_room(24, 16)
+        scene.lamps, scene.shutter = [], Shutter()
+        light = PointLight("grows", scenes.translation(0.0, -0.5, 1.2), 10.0, radius=0.05)
+        scene.lights.append(replace(light, motion=motion.resampled((light, replace(light, radius=0.5)))))
+        self.compare_with_stills(scene)
+
+    def test_the_room_is_lit_by_a_lamp_that_changes(self):
+        scene = scenes.changing_lamps(16, 12)
+        times = (np.arange(32) + 0.5) / 32
+        scene.shutter = Shutter()
+        still = np.mean([self.picture(motion.at(scene, time), 16)[..., :3] for time in times])
+        assert self.picture(scene, 256)[..., :3].mean() == pytest.approx(still, rel=0.01)
+
+    def test_a_lamp_that_is_empty_at_some_times_is_dark_then(self):
+        """The box lies inside the ball in the first half, at the frame, too."""
+        shapes = Difference(Box(0.1), Sphere(0.7)), Difference(Box(0.9), Sphere(0.7))
+        scene = self.change(shapes)
+        whole = self.change((shapes[1], shapes[1]))
+        seen, bright = (self.picture(each, 64)[..., :3].mean() for each in (scene, whole))
+        assert 0.2 * bright < seen < 0.8 * bright

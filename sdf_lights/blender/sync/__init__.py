@@ -93,7 +93,7 @@ def sync_views(
     kind = None
     if engine is not None and not engine.is_preview:
         kind = Motion if is_wanted(depsgraph) else NeighborFrames if has_vectors(depsgraph) else None
-    motion = kind(depsgraph, engine, scene, cameras, warn) if kind is not None else None
+    motion = kind(depsgraph, engine, scene, cameras) if kind is not None else None
     if kept is not None:
         kept.begin(depsgraph)
         scene.kept = kept.back_end

@@ -28,7 +28,8 @@ from .mesh import Form, Readable
 _CURVE_POINTS = 257
 _STILL = 1e-5  # metres
 # these fields of a light keep the values of the frame
-_KEPT = ("emission", "visibility", *(item.name for item in fields(Emitter)))
+_KEPT = ("visibility", *(item.name for item in fields(Emitter)))
+_FORM = ("shape", "emission")  # of a lamp that does not deform, and the nodes of a light
 # as a fraction of the time that the shutter is open, from the frame on
 _OPENS = {"START": 0.0, "CENTER": -0.5, "END": -1.0}
 
@@ -108,10 +109,9 @@ class Motion:
         engine: bpy.types.RenderEngine,
         scene: Scene,
         cameras: Callable[[], list[Camera]],
-        warn: Warnings,
     ):
         self._depsgraph, self._engine, self._scene = depsgraph, engine, scene
-        self._cameras, self._warn = cameras, warn
+        self._cameras = cameras
 
     def read(self, placed: dict[Key, Placed], forms: dict[int, Readable], views: list[Camera]) -> None:
         """Evaluate the scene at all times, and write the motion into the scene and the cameras ``views``. Restores the
@@ -249,7 +249,7 @@ class Motion:
                     moves = True
                 deforms.discard(mesh)
             else:
-                moves |= self._give_light(place, found)
+                moves |= self._give_light(place, found, wish.forms or not wish.steps)
         return moves
 
     def _reform(self, index: int, seen: list[Seen]) -> bool:
@@ -272,20 +272,15 @@ class Motion:
             mesh.motion_radii = np.stack(sizes)
         return True
 
-    def _give_light(self, place: Placed, found: list) -> bool:
+    def _give_light(self, place: Placed, found: list, deforms: bool) -> bool:
         lights = self._scene.lamps if place.lamp >= 0 else self._scene.lights
         index = max(place.lamp, place.light)
         light = lights[index]
         if any(type(other) is not type(light) for other in found):
             return False
-        if isinstance(light, Lamp):
-            if any(other.shape != light.shape for other in found):
-                self._warn(
-                    f"Lamp '{light.name}' changes its shape while the shutter is open: it keeps the shape of the "
-                    "frame; animate its transform, power or color for motion blur."
-                )
-            found = [replace(other, shape=light.shape) for other in found]
         kept = {name: getattr(light, name) for name in _KEPT}
+        if not deforms or not isinstance(light, Lamp):
+            kept |= {name: getattr(light, name) for name in _FORM if hasattr(light, name)}
         found = [replace(other, **kept) for other in found]
         if all(same_place(other, found[0]) for other in found[1:]):
             self._stand(light, found)
@@ -339,9 +334,11 @@ def _same_form(a: Form, b: Form) -> bool:
 
 
 def same_place(a, b) -> bool:
-    """Whether all numbers of two lights or cameras are equal."""
+    """Whether all numbers of two lights or cameras are equal, and the shapes of lamps."""
     for name, value in vars(a).items():
         other = getattr(b, name)
+        if isinstance(a, Lamp) and name in _FORM and value != other:
+            return False
         if isinstance(value, np.ndarray):
             if not np.array_equal(value, other):
                 return False

@@ -67,7 +67,7 @@ def pack_scalars(built: list[BuiltLamp]) -> dict[str, int]:
     """Values of ``SCALARS``."""
     # The walk through a tree solves programs in the rows above the intervals found so far.
     needed = [int(lamp.row["rows"][0]) * (1 if lamp.row["kind"][0] == FIELD else 2) for lamp in built]
-    return {"lamp_rows": max(needed, default=1)}
+    return {"lamp_rows": max(needed, default=1), "region_set": 0}
 
 
 def new_spans(rows: int, count: int) -> np.ndarray:

@@ -42,7 +42,7 @@ from ..lamps import CLOSED, PRIMITIVE, lamps, varies
 from ..tree.moments import lamp_cells
 from ..tree.nodes import INSIDE
 from .cut_boxes import BOXES, KEYS, MOST_ENTRIES, REGIONS, ROUGHEST, SOFT, corner, far_corner, region
-from .cut_tables import MOST_BOXES, TABLES, lamp_steps, pack_cuts, placements  # noqa: F401  (two are for callers)
+from .cut_tables import MOST_BOXES, OF_REGIONS, TABLES, lamp_steps, pack_cuts, placements  # noqa: F401  (two are for callers)
 from .projection import direction_pdf, sample_direction
 from .strategies import BOXES as BY_BOXES
 from .strategies import NO_BSDF_RAYS, POINTS, PROJECTION, WHOLE_RAYS

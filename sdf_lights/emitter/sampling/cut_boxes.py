@@ -283,7 +283,7 @@ def region(block, lamp, place, origin, normal, two_sided, tolerance, limit, keys
         + _whole(at[2]) * _PRIMES[2]
         + _whole(size * 2.0**40) * _PRIMES[3]
         + side * _PRIMES[4]
-        + np.uint64(lamp) * _PRIMES[5]
+        + np.uint64(lamp + (block.region_set << 32)) * _PRIMES[5]
         + _whole(tolerance * 2.0**40) * _PRIMES[6]
     ) | np.uint64(1)
     slot = np.int64(key >> np.uint64(1)) & (len(keys) - 1)

@@ -58,6 +58,9 @@ STEP_DOWN = np.dtype(
     align=True,
 )
 
+# Fields on which the boxes of regions depend. The boxes are stored, so these must not move with a lamp.
+OF_REGIONS = ("metric", "unit", "thickness")
+
 TABLES = {"lamp_placements": PLACEMENT, "lamp_cells": CELL, "lamp_steps": STEP_DOWN}
 
 placements = table("lamp_placements", PLACEMENT)

@@ -81,7 +81,7 @@ class PackedScene:
             {"has_subsurface": bool(deep.any())},
         )
         self.set_light_paths({}, {})
-        self._moving: motion.Moving | None = None
+        self._segments: list[motion.Moving] = []
         self.update_lights(scene)
         self.update_camera(scene, film)
         self._pack_motion(scene)
@@ -89,7 +89,11 @@ class PackedScene:
         assert self._tables.keys() == TABLES.keys(), self._tables.keys() ^ TABLES.keys()
         if catches:
             self._bare = PackedScene(catchers_only(scene), film, self._blocks[1:])
-            self._bare.block["outputs"] = 0
+            self._part_bare()
+
+    def _part_bare(self) -> None:
+        """Part the block of the catchers from the other one, with which it shares film and workspaces."""
+        self._bare.block["outputs"], self._bare.block["region_set"] = 0, 1
 
     def _pack_shading(self, scene: Scene) -> dict[str, np.ndarray]:
         """Tables of materials, and of the nodes of lights and of the world."""
@@ -135,23 +139,23 @@ class PackedScene:
         """
         if self._bare is not None:
             self._bare.update_lights(catchers_only(scene))
+            self._part_bare()
         if any(light.emission is not None for light in scene.lights) or len(scene.lights) + 1 != len(
             self._tables["emissions"]
         ):
             self._pack_shading(scene)
-        built, sources = build_lamps(scene)
+        built, sources, self._built = build_lamps(scene)
         self._elsewhere = pack_elsewhere(scene, sources, self._tables["materials"])
         tables = emitter_tables(scene, built, sources, self._emissive, self._tables, self._graphs, self._elsewhere)
         self.light_hits = lights.hit_capacity(tables)
-        chosen = set(map(id, sources))
-        self._built = [index for index, lamp in enumerate(scene.lamps) if id(lamp) in chosen]
         self.lamps = built  # the tables point to their compiled fields
         packed = cuts.pack_cuts(built, sources)
         everywhere = [tables, *(self._elsewhere.tables if self._elsewhere else ())]
-        packed["lamp_placements"]["clear"] = np.all(
-            [clear_lamps(each["lamps"], *self._boxes) for each in everywhere], axis=0
-        )
-        self._fill({**tables, **packed}, lamps.pack_scalars(built))
+        clear = np.all([clear_lamps(each["lamps"], *self._boxes) for each in everywhere], axis=0)
+        for each in (packed, *everywhere[1:]):
+            each["lamp_placements"]["clear"] = clear
+        elsewhere = self._elsewhere.built if self._elsewhere else []
+        self._fill({**tables, **packed}, lamps.pack_scalars([*built, *elsewhere]))
         self._external = external.NONE
         self.span_rows = int(self.block["lamp_rows"][0])
 
@@ -162,7 +166,7 @@ class PackedScene:
         """
         if self._bare is not None:
             self._bare.update_camera(catchers_only(scene), film)
-            self._bare.block["outputs"] = 0
+            self._part_bare()
         self._show(np.array([int(scene.lamps[index].visibility) for index in self._built], np.int64))
         self._fill(camera.pack_camera(scene), camera.camera_scalars(scene))
         self._fill({}, integrator_scalars(scene, self._flags, self._tables))
@@ -185,29 +189,40 @@ class PackedScene:
     def _pack_motion(self, scene: Scene) -> None:
         """The shutter, and the tables that move while it is open."""
         tables, scalars = motion.pack_shutter(scene)
-        keys = self._elsewhere.tables if self._elsewhere else []
+        tables |= {"moving": np.zeros(0), "moving_places": np.zeros(0, np.int64), "moving_keys": np.zeros(0)}
+        steps: list[int] = []
         if self._elsewhere:
             self._elsewhere.follow_suns(self._tables["light_infinite"])
-        self._moving = motion.Moving({name: self._tables[name] for name in keys[0]} if keys else {}, keys)
-        tables |= {"moving": np.zeros(0), "moving_places": self._moving.places, "moving_keys": self._moving.keys}
-        if len(self._moving.places):
-            scalars["moving_steps"] = len(keys) - 1
+            for segment in self._elsewhere.segments:
+                base = self._elsewhere.base(segment, self._tables)
+                self._segments.append(motion.Moving(base, segment.tables, segment.first_step))
+                steps += (len(segment.tables) - 1) * [len(self._segments) - 1]
+        elif scene.shutter is not None:
+            self._segments, steps = [motion.Moving({}, [])], [0]
+        tables["shutter_segments"] = np.array(steps or [0], np.int64)
+        scalars["segments"] = max(len(self._segments), 1)
         self._fill(tables, scalars)
         self.moves = scene.shutter is not None
 
-    def own_block(self) -> tuple[np.ndarray, list[np.ndarray]]:
-        """A block for a thread, and the objects that it keeps alive. In a moving scene, each thread has a separate
-        block, at its own time."""
+    def own_blocks(self) -> tuple[np.ndarray, list[np.ndarray]]:
+        """Blocks for a thread, and the objects that they keep alive. In a moving scene, each thread has separate
+        blocks, at its own time: one for each segment of the shutter."""
         if not self.moves:
             return self._blocks, []
-        blocks, kept = self._blocks.copy(), []
-        for row, packed in enumerate([self, self._bare] if self._bare else [self]):
-            memory, tables = packed._moving.own()
-            tables |= {"moving": memory, "instances": packed._tables["instances"].copy()}
-            for name, array in tables.items():
-                fill_table(blocks[row : row + 1], name, array)
-            kept += [*tables.values(), memory]
-        return blocks, kept
+        blocks, kept = [], []
+        for packed in [self, self._bare] if self._bare else [self]:
+            instances = packed._tables["instances"].copy()
+            for segment in packed._segments:
+                own = segment.own() | {"instances": instances}
+                block = packed.block.copy()
+                for name, array in (segment.fixed | own).items():
+                    fill_table(block, name, array)
+                for name, value in segment.scalars.items():
+                    block[name] = value
+                block["region_set"] = len(blocks)
+                blocks.append(block)
+                kept += own.values()
+        return np.concatenate(blocks), kept
 
     def _pack_external(self, sources: list[Lamp]) -> external.Packed:
         found = external.registered()
@@ -224,6 +239,8 @@ class PackedScene:
             return
         emitters = self._tables["light_emitters"][: len(rows)]
         rows["visibility"] = emitters["visibility"] = emitters["met"] = visibility
+        for each in self._elsewhere.tables if self._elsewhere else ():
+            each["lamps"]["visibility"] = visibility
         low, high = lamp_boxes([self._tables, *(self._elsewhere.tables if self._elsewhere else ())])
         self._fill(lamp_tree.pack_lamp_tree(low, high, visibility), {})
 
@@ -231,7 +248,8 @@ class PackedScene:
         """Free Embree's structures and the copies of the scene. Kernels must not run on this block again."""
         self._accelerator = None
         self._tables, self._images, self.lamps, self._external = {}, [], [], external.NONE
-        self._elsewhere = self._moving = self._bare = None
+        self._elsewhere = self._bare = None
+        self._segments = []
         self._blocks[:] = 0
 
 
@@ -241,7 +259,7 @@ class Workspace:
 
     def __init__(self, packed: PackedScene, secondary: bool = True):
         if secondary:
-            self.scene, self._own = packed.own_block()
+            self.scene, self._own = packed.own_blocks()
         self._span_rows = packed.span_rows
         counts = {
             "spans": 2 * (packed.span_rows + len(packed.lamps)),

@@ -24,7 +24,7 @@ from ..kernels.integrator import (
 from ..kernels.light_paths import dispatch as light_paths
 from ..kernels.light_paths.records import FOLLOW_ALL, FOLLOW_DIFFUSE
 from ..kernels.media.records import inside_table
-from ..kernels.motion import set_time
+from ..kernels.motion import block_at, draw_time
 from ..kernels.outputs import dispatch as outputs
 from ..kernels.outputs.records import CATCHERS
 from ..kernels.outputs.state import keep_first_scattering, use_first_scattering
@@ -223,10 +223,11 @@ def invalidate_cuts(workspace):
 def render_tile(blocks, workspaces, x0, y0, x1, y1, samples):
     """Add samples to the active pixels of the tile [x0, x1) × [y0, y1), until those with the rate 1 have ``samples``.
 
-    ``blocks`` has the scene, and that of its shadow catchers alone where there are any.
+    ``blocks`` has the scene, and then that of its shadow catchers alone where there are any: each once for each segment
+    of the shutter.
     """
     block, workspace = blocks[0], workspaces[0]
-    path = path_table(workspace)[0]
+    path, first_bare = path_table(workspace)[0], block.segments
     for y in range(y0, y1):
         if control_table(block)[0] != 0:
             return
@@ -240,13 +241,13 @@ def render_tile(blocks, workspaces, x0, y0, x1, y1, samples):
                 path.index = block.sample_offset + index
                 clear_sample(workspace)
                 if block.moves:
-                    set_time(block, workspace, secondary_table(workspace)[0], y)
+                    time = draw_time(block, workspace, secondary_table(workspace)[0], y)
+                    block = blocks[block_at(blocks, 0, time)]
                 if block.outputs:
                     outputs.clear(block, workspace)
                 before = block.sample_offset * branches + branches_before(block, pixel)
                 trace_branches(block, workspace, x, y, branches, before)
                 if block.outputs & CATCHERS:
-                    if block.moves:
-                        set_time(blocks[1], workspace, secondary_table(workspace)[0], y)
-                    trace_catchers(block, blocks[1], workspace)
+                    bare = block_at(blocks, first_bare, block.time) if block.moves else first_bare
+                    trace_catchers(block, blocks[bare], workspace)
                 add_sample(block, workspace, pixel, index)

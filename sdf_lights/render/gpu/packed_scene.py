@@ -140,7 +140,7 @@ class GpuScene:
         if film.catches:
             masks = [catchers.mask(scene, index, mask) for index, mask in enumerate(masks)]
         self.hierarchy = hierarchy or Hierarchy(scene, masks)
-        built, sources = build_lamps(scene)
+        built, sources, _ = build_lamps(scene)
         self.lamps = built
         emissive = emissive_triangles(scene, materials["materials"])
         emitters = emitter_tables(scene, built, sources, emissive, materials, graphs)

@@ -17,7 +17,7 @@ from ...interruption import Watch, check, watched
 from ...interruption import say as say_to_watch
 from ..errors import RenderError
 from ..film import Film
-from ..motion import at, part_of, time_of
+from ..motion import at, changes_shape, part_of, time_of
 from ..scene import Scene
 from .bvh import Hierarchy
 from .device import DeviceError, device, megabytes
@@ -38,6 +38,9 @@ class GpuRenderer:
     """
 
     def __init__(self, scene: Scene, film: Film, cancelled: Callable[[], bool], say: Callable[[str], None]):
+        changing = next((lamp.name for lamp in scene.lamps if scene.shutter is not None and changes_shape(lamp)), None)
+        if changing is not None:
+            raise DeviceError(f"it cannot blur lamp “{changing}”, whose shape changes while the shutter is open")
         self._film, self._warnings = film, scene.warnings
         self._device = device()
         self._made: list = []

@@ -2,9 +2,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The time of a sample, and the moving parts of the scene at that time.
 
-In a moving scene, each thread has a separate block. Lamps, lights and the camera are few: their tables are interpolated
+In a moving scene, each thread has separate blocks. Lamps, lights and the camera are few: their tables are interpolated
 to the time before a path begins, linearly between even times. So no other kernel needs to handle their motion.
 Instances are many, and are interpolated when a ray has hit them.
+
+The time of the shutter is cut into *segments*, in which no lamp changes its shape. Each has a block, whose tables are
+those of these shapes. In most scenes there is only one.
 """
 
 from __future__ import annotations
@@ -24,9 +27,17 @@ TABLES = {
     "shutter_times": np.dtype(np.float64),
     "moving": np.dtype(np.float64),  # the moving tables, as concatenated numbers
     "moving_places": np.dtype(np.int64),  # in ``moving``, of those that move
-    "moving_keys": np.dtype(np.float64),  # their values at each of the even times
+    "moving_keys": np.dtype(np.float64),  # their values at each of the even times of the segment
+    "shutter_segments": np.dtype(np.int64),  # of each step between even times
 }
-SCALARS = [("moves", np.int64), ("time", np.float64), ("moving_steps", np.int64), ("rolling_shutter", np.float64)]
+SCALARS = [
+    ("moves", np.int64),
+    ("time", np.float64),
+    ("segments", np.int64),
+    ("first_step", np.int64),  # of the segment
+    ("moving_steps", np.int64),  # of the segment; 0: nothing moves in it
+    ("rolling_shutter", np.float64),
+]
 
 NOT_ROLLING = -1.0
 
@@ -34,6 +45,7 @@ time_table = table("shutter_times", np.float64)
 moving_table = table("moving", np.float64)
 place_table = table("moving_places", np.int64)
 key_table = table("moving_keys", np.float64)
+segment_table = table("shutter_segments", np.int64)
 
 
 def pack_shutter(scene: Scene) -> tuple[dict[str, np.ndarray], dict[str, float]]:
@@ -43,35 +55,41 @@ def pack_shutter(scene: Scene) -> tuple[dict[str, np.ndarray], dict[str, float]]
     return {"shutter_times": np.asarray(shutter.times, np.float64)}, {
         "moves": scene.shutter is not None,
         "time": 0.0,
+        "segments": 1,
+        "first_step": 0,
         "moving_steps": 0,
         "rolling_shutter": rolling,
     }
 
 
 class Moving:
-    """Moving tables, of which each thread has copies: from their values at even times, ``keys``.
+    """Moving tables of a segment, of which each thread has copies: from their values at even times, ``keys``.
 
-    Only float64 numbers move; the rest is as in ``base``. A table whose length changes stays as it is.
+    Only float64 numbers move; the rest is as in ``base``. A table whose length changes stays as it is. ``fixed``:
+    tables of the segment in which nothing moves.
     """
 
-    def __init__(self, base: dict[str, np.ndarray], keys: list[dict[str, np.ndarray]]):
-        self._base, places, values = {}, [], []
+    def __init__(self, base: dict[str, np.ndarray], keys: list[dict[str, np.ndarray]], first_step: int = 0):
+        self._base, self.fixed, places, values = {}, {}, [], []
+        self.scalars = {"first_step": first_step, "moving_steps": 0}
         start = 0
         for name, array in base.items():
+            self.fixed[name] = array
             if not is_wide(array.dtype) or any(len(key[name]) != len(array) for key in keys):
                 continue
             numbers = [_numbers(key[name]) for key in keys]
             moves = np.flatnonzero(_floats(array) & np.any([n != numbers[0] for n in numbers[1:]], axis=0))
             if len(moves):
-                self._base[name] = array
+                self._base[name] = self.fixed.pop(name)
                 places.append(start + moves)
                 values.append(np.stack([n[moves] for n in numbers]))
                 start += array.nbytes // 8
-        self.places = np.concatenate(places) if places else np.zeros(0, np.int64)
-        self.keys = np.concatenate(values, axis=1).ravel() if values else np.zeros(0)
+                self.scalars["moving_steps"] = len(keys) - 1
+        self.fixed["moving_places"] = np.concatenate(places) if places else np.zeros(0, np.int64)
+        self.fixed["moving_keys"] = np.concatenate(values, axis=1).ravel() if values else np.zeros(0)
 
-    def own(self) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-        """``moving`` for a thread, and the tables in it."""
+    def own(self) -> dict[str, np.ndarray]:
+        """The moving tables for a thread; ``moving`` is the memory of all others."""
         count = sum(array.nbytes // 8 for array in self._base.values())
         memory, tables, start = np.zeros(count), {}, 0
         for name, array in self._base.items():
@@ -79,7 +97,7 @@ class Moving:
             part[:] = _numbers(array)
             tables[name] = part.view(array.dtype)
             start += len(part)
-        return memory, tables
+        return tables | {"moving": memory}
 
 
 def is_wide(dtype: np.dtype) -> bool:
@@ -112,25 +130,35 @@ def _time_at(times, u):
 
 
 @kernel
-def set_time(block, workspace, secondary, y):
-    """Draw the time of the workspace's path, which begins in the line ``y``, and interpolate moving data to it.
-    ``secondary``: the workspace whose rays have the same time."""
+def draw_time(block, workspace, secondary, y):
+    """Draw the time of the workspace's path, which begins in the line ``y``: 0 to 1. ``secondary``: the workspace whose
+    rays have the same time."""
     path = path_table(workspace)[0]
     time = _time_at(time_table(block), get_1d(path.index, path.seed, TIME_SET))
     if block.rolling_shutter != NOT_ROLLING:
         line = 1.0 - y / camera_table(block)[0].rows
         time = (time - 0.5) * block.rolling_shutter + (line - 0.5) * (1.0 - block.rolling_shutter) + 0.5
     time = min(max(time, 0.0), 1.0)
-    block.time = time
     ray_table(workspace)[0].time = time
     ray_table(secondary)[0].time = time
+    return time
+
+
+@kernel
+def block_at(blocks, first, time):
+    """Index of the block for a time, of those of one scene from ``first`` on. Interpolates its moving data."""
+    segments = segment_table(blocks[first])
+    position = time * len(segments)
+    step = min(int(position), len(segments) - 1)
+    index = first + segments[step]
+    block = blocks[index]
+    block.time = time
     if block.moving_steps > 0:
         moving, places, keys = moving_table(block), place_table(block), key_table(block)
         count = len(places)
-        position = time * block.moving_steps
-        step = min(int(position), block.moving_steps - 1)
         part = position - step
-        first = step * count
-        for index in range(count):
-            start = keys[first + index]
-            moving[places[index]] = start + part * (keys[first + count + index] - start)
+        row = (step - block.first_step) * count
+        for place in range(count):
+            start = keys[row + place]
+            moving[places[place]] = start + part * (keys[row + count + place] - start)
+    return index

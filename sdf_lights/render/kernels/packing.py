@@ -17,7 +17,7 @@ from ...emitter.sampling import cut as cuts
 from ...emitter.sampling import external, strategies
 from ...jit import block_dtype
 from ..material import Node
-from ..motion import at, light_steps, object_at
+from ..motion import LEAST_POWER, at, changes_shape, lamp_at, light_steps
 from ..scene import Instance, Lamp, Mesh, Primitive, Scene
 from ..settings import LampSampling
 from ..strands import margin
@@ -86,17 +86,38 @@ LAMP_STRATEGIES = {
 }
 
 
-def build_lamps(scene: Scene) -> tuple[list[lamps.BuiltLamp], list[Lamp]]:
-    """The lamps of ``scene`` that can give light, built, and their sources; the others get warnings."""
-    built, sources = [], []
-    for lamp in scene.lamps:
+def build_lamps(scene: Scene) -> tuple[list[lamps.BuiltLamp], list[Lamp], list[int]]:
+    """The lamps of ``scene`` that can give light, built; their sources; and their indices in ``scene.lamps``. The
+    others get warnings.
+
+    The source of a lamp is the lamp itself. If it gives no light at the frame, but at another time, it has the shape of
+    that time.
+    """
+    built, sources, indices = [], [], []
+    for index, lamp in enumerate(scene.lamps):
         try:
-            built.append(_build(lamp))
-            sources.append(lamp)
+            made, source = _build_at_any_time(lamp)
         except lamps.LampError as error:
             scene.warnings.append(str(error))
+            continue
+        built.append(made)
+        sources.append(source)
+        indices.append(index)
     scene.warnings += lamps.doubts(built)
-    return built, sources
+    return built, sources, indices
+
+
+def _build_at_any_time(lamp: Lamp) -> tuple[lamps.BuiltLamp, Lamp]:
+    try:
+        return _build(lamp), lamp
+    except lamps.LampError:
+        for state in lamp.motion:
+            source = replace(lamp, shape=state.shape, emission=state.emission, power=state.power, density=state.density)
+            try:
+                return _build(source), source
+            except lamps.LampError:
+                pass
+        raise
 
 
 def _build(lamp: Lamp) -> lamps.BuiltLamp:
@@ -149,12 +170,25 @@ def lamp_boxes(tables: list[dict[str, np.ndarray]]) -> tuple[np.ndarray, np.ndar
     )
 
 
+class Segment(NamedTuple):
+    """A part of the shutter's time in which no lamp changes its shape: tables that move, at the ends of its steps."""
+
+    first_step: int
+    tables: list[dict[str, np.ndarray]]
+
+
 class Elsewhere(NamedTuple):
     """Tables that move, at even times of the shutter, and bounds of the emitters there."""
 
-    tables: list[dict[str, np.ndarray]]
+    segments: list[Segment]
     bounds: list[lights.Bounds]
-    suns: list[dict[int, np.ndarray]]  # direction to each
+    suns: list[dict[int, np.ndarray]]  # direction to each, for each of ``tables``
+    built: list[lamps.BuiltLamp]  # the tables point to their compiled fields
+
+    @property
+    def tables(self) -> list[dict[str, np.ndarray]]:
+        """The tables of all segments."""
+        return [table for segment in self.segments for table in segment.tables]
 
     def follow_suns(self, rows: np.ndarray) -> None:
         """Add the table ``light_infinite`` (``rows``, (suns,)) to the tables, from its state at the frame."""
@@ -162,6 +196,11 @@ class Elsewhere(NamedTuple):
             table["light_infinite"] = rows.copy()
             for row in table["light_infinite"]:
                 row["direction"] = suns.get(int(row["emitter"]), row["direction"])
+
+    def base(self, segment: Segment, tables: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+        """The tables of a segment without motion; ``tables`` are those of the frame."""
+        own = {} if len(self.segments) == 1 else {**lamps.TABLES, **cuts.TABLES}
+        return {name: (segment.tables[0] if name in own else tables)[name] for name in segment.tables[0]}
 
 
 def pack_elsewhere(scene: Scene, sources: list[Lamp], materials: np.ndarray) -> Elsewhere | None:
@@ -174,35 +213,67 @@ def pack_elsewhere(scene: Scene, sources: list[Lamp], materials: np.ndarray) -> 
     steps = light_steps(scene, emissive)
     if steps == 0:
         return None
-    result = Elsewhere([], [], [])
-    for step in range(steps + 1):
-        there = at(scene, step / steps, emissive)
-        places = [_lamp_there(lamp, step / steps) for lamp in sources]
-        built = [_build(lamp) for lamp in places]
-        tables = lamps.pack_lamps(built)
-        rows = tables["lamps"]
-        low, high = lamp_boxes([tables])
-        near, bounds, suns = lights.pack_near(
-            there,
-            np.stack([low, high], axis=1),
-            4.0 * np.pi * rows["volume"][:, None] * rows["emission"],
-            emissive_triangles(there, materials),
-            places,
-        )
-        del near["light_infinite"]
-        result.suns.append(dict(zip(suns["emitter"].tolist(), suns["direction"])))
-        result.tables.append({**tables, **cuts.pack_cuts(built, places), **near, **camera.pack_camera(there)})
-        if bounds is not None:
-            result.bounds.append(bounds)
+    result = Elsewhere([], [], [], [])
+    forms = [tuple(_form_at(lamp, (step + 0.5) / steps) for lamp in sources) for step in range(steps)]
+    first = 0
+    for end in range(1, steps + 1):
+        if end == steps or forms[end] != forms[first]:
+            segment = Segment(first, [])
+            for step in range(first, end + 1):
+                _pack_step(result, segment, scene, sources, forms[first], step / steps, emissive, materials)
+            result.segments.append(segment)
+            first = end
     return result
 
 
-def _lamp_there(lamp: Lamp, time: float) -> Lamp:
-    """A lamp at a time: its shape and the pattern of its emission are those of the frame, and its power is never 0."""
-    there = object_at(lamp, time)
-    least = 1e-9 * lamp.power
-    density = None if lamp.density is None else max(there.density or 0.0, 1e-9 * lamp.density)
-    return replace(there, shape=lamp.shape, emission=lamp.emission, power=max(there.power, least), density=density)
+def _form_at(lamp: Lamp, time: float) -> tuple:
+    """Shape and emission of a lamp."""
+    there = lamp_at(lamp, time) if changes_shape(lamp) else lamp
+    return there.shape, there.emission
+
+
+def _pack_step(
+    result: Elsewhere,
+    segment: Segment,
+    scene: Scene,
+    sources: list[Lamp],
+    forms: tuple,
+    time: float,
+    emissive: np.ndarray,
+    materials: np.ndarray,
+) -> None:
+    """Add the tables and bounds at one time of a segment."""
+    there = at(scene, time, emissive)
+    built, places = [], []
+    for lamp, (shape, emission) in zip(sources, forms):
+        place = replace(lamp_at(lamp, time), shape=shape, emission=emission)
+        try:
+            made = _build(place)
+        except lamps.LampError:  # its shape is empty now
+            place = replace(place, shape=lamp.shape, emission=lamp.emission, power=LEAST_POWER * lamp.power)
+            made = _build(place)
+        built.append(made)
+        places.append(place)
+    tables = lamps.pack_lamps(built)
+    rows = tables["lamps"]
+    low, high = lamp_boxes([tables])
+    near, bounds, suns = lights.pack_near(
+        there,
+        np.stack([low, high], axis=1),
+        4.0 * np.pi * rows["volume"][:, None] * rows["emission"],
+        emissive_triangles(there, materials),
+        places,
+    )
+    del near["light_infinite"]
+    placed = cuts.pack_cuts(built, places)
+    if segment.tables:
+        for name in cuts.OF_REGIONS:
+            placed["lamp_placements"][name] = segment.tables[0]["lamp_placements"][name]
+    result.suns.append(dict(zip(suns["emitter"].tolist(), suns["direction"])))
+    segment.tables.append({**tables, **placed, **near, **camera.pack_camera(there)})
+    result.built.extend(built)
+    if bounds is not None:
+        result.bounds.append(bounds)
 
 
 def instance_boxes(scene: Scene) -> tuple[np.ndarray, np.ndarray]:

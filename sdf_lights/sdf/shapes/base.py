@@ -190,6 +190,10 @@ class Parametric:
         """Everything that defines the shape: addresses of tables are meaningless in another process."""
         return {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}  # type: ignore[arg-type]
 
+    def replaced(self, **values):
+        """A copy with other values of some fields."""
+        return dataclasses.replace(self, **values)  # type: ignore[type-var]
+
     def build(self, p: Vector, slot: Slots) -> Formula:
         """The field φ at the point p. Pass numbers that may change to ``slot(…)``, which returns their formulas.
 

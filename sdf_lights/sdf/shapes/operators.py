@@ -158,6 +158,10 @@ class SetOperation(Composite, abstract=True):
         object.__setattr__(self, "size", sum(child.size for child in children))
         object.__setattr__(self, "depth", depth)
 
+    def replaced(self, **values):
+        children = values.pop("children", self.children)
+        return type(self)(*children, **{field.name: getattr(self, field.name) for field in self.fields()} | values)
+
     def _absorbs(self, index: int, child: Shape) -> bool:
         """Whether the argument ``child`` can be replaced by its parts."""
         return (

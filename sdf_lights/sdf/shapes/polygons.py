@@ -313,6 +313,9 @@ class Polygon(Polygonal):
             corners.append((x, y))
         object.__setattr__(self, "points", tuple(corners))
 
+    def replaced(self, **values):
+        return type(self)(*values.get("points", self.points))
+
     def build(self, p: Vector, slot: Slots) -> Formula:
         corners = [(slot(x), slot(y)) for x, y in self.points]
         # Whether the corner is at or below the point, as ±1.
