@@ -101,7 +101,7 @@ def test_winding_numbers_count_crossing_and_doubled_faces():
     for shift in (0.0, 0.2):
         exact = np.hypot(np.hypot(points[:, 0] - shift, points[:, 1]) - 0.7, points[:, 2]) - 0.25
         expected, near = expected + (exact < 0.0), near | (np.abs(exact) < 0.01)
-    found = [winding(mesh.corners, mesh.nodes, mesh.dipoles, *point) for point in points]
+    found = [winding(mesh.corners, mesh.nodes, mesh.moments, *point) for point in points]
     np.testing.assert_allclose(np.array(found)[~near], expected[~near], atol=0.05)
 
 
