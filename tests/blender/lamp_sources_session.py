@@ -61,7 +61,6 @@ def curve():
 
 
 def mesh():
-    data = bpy.data.meshes.new("Mesh")
     bpy.ops.mesh.primitive_torus_add(major_radius=0.8, minor_radius=0.2)
     data = bpy.context.object.data
     bpy.data.objects.remove(bpy.context.object)
@@ -107,7 +106,6 @@ def session():
     area = areas()[0]
     space = area.spaces.active
     sources = dict(text=text(), curve=curve(), mesh=mesh(), volume=volume())
-    picked = image()
     light = bpy.data.lights.new("Lamp", "POINT")
     holder = linked("Lamp", light)
     holder.hide_set(False)
@@ -121,7 +119,7 @@ def session():
     space.region_3d.view_location = (0.0, 0.0, 0.0)
     yield 1.0
     region_of(area, "UI").active_panel_category = "SDF Lights"
-    eye = Eye((0.0, 0.0, 0.0), (0.75, 0.0, 0.0))
+    eye = Eye((0.0, 0.0, 0.0), (0.62, 0.0, 0.0), (0.9, 0.0, 0.0))  # in the middle, in the letter, in the rings
 
     def seen(name):
         """Steps: wait for the lamp, and report what is drawn."""
@@ -129,7 +127,7 @@ def session():
         yield from until(lamps_are_drawn)
         area.tag_redraw()
         yield 1.0
-        report[name] = dict(bounds=bounds(lamp), middle=eye.color(0), right=eye.color(1))
+        report[name] = dict(bounds=bounds(lamp), middle=eye.color(0), letter=eye.color(1), ring=eye.color(2))
         picture(PICTURES, f"source_{name.replace(' ', '_')}")
 
     lamp.source = "OBJECT"
@@ -158,9 +156,7 @@ def session():
     sources["mesh"].modifiers.new("Thin", "DISPLACE").strength = -0.1
     yield from seen("mesh changed")
     lamp.source = "IMAGE"
-    yield 1.0
-    report["image button"] = yield from button_of(area, f"{PATH}image")
-    lamp.image, lamp.image_size = picked, 2.0
+    lamp.image, lamp.image_size = image(), 2.0
     yield from seen("image")
     lamp.image_size = 1.0
     yield from seen("image changed")
