@@ -105,6 +105,21 @@ def test_winding_numbers_count_crossing_and_doubled_faces():
     np.testing.assert_allclose(np.array(found)[~near], expected[~near], atol=0.05)
 
 
+def test_moments_of_far_triangles_stand_for_them():
+    vertices, faces = TORUS
+    mesh = triangles(vertices, faces[300:])
+    exact, dipoles = mesh.moments.copy(), mesh.moments.copy()
+    exact[:, 3] = np.where(exact[:, 3] > 0.0, np.inf, exact[:, 3])
+    dipoles[:, 7:] = 0.0
+    points = np.random.default_rng(2).uniform(-1.2, 1.2, (1000, 3))
+    found = [
+        np.array([winding(mesh.corners, mesh.nodes, moments, *point) for point in points])
+        for moments in (mesh.moments, exact, dipoles)
+    ]
+    errors, without = np.abs(found[0] - found[1]), np.abs(found[2] - found[1])
+    assert errors.max() < 0.05 and np.mean(errors) < 0.5 * np.mean(without)
+
+
 def _volume(shape):
     return (shape.distance(_points(shape, 200_000)) < 0.0).mean() * np.prod(np.diff(shape.bounds(), axis=0))
 
