@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes the tables in the documents that are generated from the program: run it after changes of settings, passes or
-the settings copied from Cycles.
+"""Writes the tables in the documents that are generated from the program or from kept results of benchmarks: run it
+after changes of settings, passes, the settings copied from Cycles, or docs/report.
 
 A test fails if they differ.
 """
@@ -14,6 +14,7 @@ import pathlib
 from collections.abc import Callable
 
 import host
+from reporting import data_tables
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
 
@@ -60,6 +61,7 @@ def nodes_table() -> str:
 TABLES: dict[pathlib.Path, dict[str, Callable[[], str]]] = {
     REPOSITORY / "docs" / "settings.md": {"settings": settings_table, "passes": passes_table},
     REPOSITORY / "docs" / "materials.md": {"nodes": nodes_table},
+    REPOSITORY / "docs" / "lamps.md": data_tables.TABLES,
     REPOSITORY / "docs" / "cycles.md": {"copied": copied_table, "rest": rest_table},
 }
 

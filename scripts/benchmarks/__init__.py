@@ -22,6 +22,7 @@ NAMES = (
     "start",
     "intervals",
     "kinds",
+    "grids",
     "builds",
     "estimators",
     "lamps",

@@ -17,6 +17,7 @@ import time
 
 import numpy as np
 
+from . import grids as grid_builds
 from .intervals import judged
 from .progress import Progress
 from .resume import Parts
@@ -177,24 +178,14 @@ def _in_front(shape) -> tuple[np.ndarray, np.ndarray]:
 def _cost_rows(turns: int) -> list[dict]:
     from sdf_lights.sdf.data.voxels import mesh_grid
     from sdf_lights.sdf.shapes import SHAPES
-    from support import grids
     from support.lamps.shapes_under_test import FieldOf
 
-    ring = grids.torus(0.7, 0.25, 256, 128)
-    voxel_size = 2.0 / 128
-    mesh_grid(*ring, 0.1)  # compiles
-    built = []
-    for _ in range(turns):
-        wall, work = time.perf_counter(), time.process_time()
-        grid = mesh_grid(*ring, voxel_size)
-        built.append((time.perf_counter() - wall, time.process_time() - work))
+    built = grid_builds.measure("ring", turns)
+    grid = mesh_grid(*grid_builds.MESHES["ring"](), grid_builds.VOXEL)
     sponge = SHAPES["menger_sponge"]()
     costs = _costs({"grid": grid, "sponge": sponge, "sponge as a field": FieldOf(sponge)}, turns, False)
     costs |= _costs({"1 letter": _text(LETTER), "200 letters": _text(PARAGRAPH)}, turns, True)
-    seconds, work = (statistics.median(column) for column in zip(*built))
-    return [dict(cost_of=name, ns_per_ray=value) for name, value in costs.items()] + [
-        dict(built="grid", voxels=grid.voxels, seconds=seconds, processor_seconds=work, megabytes=1e-6 * grid.bytes)
-    ]
+    return [*(dict(cost_of=name, ns_per_ray=value) for name, value in costs.items()), built]
 
 
 def arguments(parser) -> None:
@@ -230,12 +221,11 @@ def run(options) -> tuple[dict, list[dict]]:
         progress.step()
     progress.show("costs")
     costs = parts.of("costs", functools.partial(_cost_rows, turns))
-    parts.finish()
     progress.close()
-    compared = _beside_cycles(options)
+    compared = _beside_cycles(options)  # has parts of its own
+    parts.finish()
     cost = {row["cost_of"]: row["ns_per_ray"] for row in costs if "cost_of" in row}
     sure = [row for row in rows if row["certified"]]
-    million = 1e6 / costs[-1]["voxels"]
     summary = dict(
         wrong_crossing_fraction_certified=sum(row["wrong"] * row["rays"] for row in sure)
         / sum(row["rays"] for row in sure),
@@ -243,7 +233,7 @@ def run(options) -> tuple[dict, list[dict]]:
         cost_ratio_grid_to_sponge=cost["grid"] / cost["sponge"],
         cost_ratio_grid_to_sponge_as_field=cost["grid"] / cost["sponge as a field"],
         cost_ratio_200_to_1_letters=cost["200 letters"] / cost["1 letter"],
-        build_processor_seconds_of_a_million_voxels=million * costs[-1]["processor_seconds"],
-        megabytes_of_a_million_voxels=million * costs[-1]["megabytes"],
+        build_processor_seconds_of_a_million_voxels=costs[-1]["processor_seconds_per_million"],
+        megabytes_of_a_million_voxels=costs[-1]["megabytes_per_million"],
     )
     return summary, rows + costs + compared

@@ -11,7 +11,11 @@ from .results import Result
 
 OURS, PAPER = "CUT", "MIS"
 PEERS = ("Cycles volume", "Cycles mesh light")
-LIGHT = {"cycles_direct": ("Direct light", "direct"), "cycles_bounces": ("Four bounces", "bounces")}
+LIGHT = {
+    "cycles_direct": ("Direct light", "direct"),
+    "cycles_bounces": ("Four bounces", "bounces"),
+    "corridor": ("Lamps of data in a corridor, direct light", "direct"),
+}
 DRAWN = (*LIGHT, "paper", "intervals", "scaling")  # results that have plots
 TENTH = 0.1  # standard error of a reference at which it is good enough, relative to the least error that it judges
 

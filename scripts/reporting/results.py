@@ -22,6 +22,12 @@ _LADDER = ["--ladder", "4,16,64"]
 RUNS = {  # result: arguments of ./scripts/bench
     "cycles_direct": ["cycles", "--bounces", "0", *_LADDER, *_LAMPS],
     "cycles_bounces": ["cycles", "--bounces", "4", *_LADDER, *_LAMPS],
+    "corridor": [
+        *("cycles", "--bounces", "0", "--samplers", "CUT", *_LADDER, *_LAMPS),
+        *("--only", "corridor_sign,corridor_voxels,corridor_network"),
+    ],
+    "kinds": ["kinds"],
+    "grids": ["grids"],
     "paper": ["paper", *_LAMPS],
     "estimators": ["estimators"],
     "intervals": ["intervals"],

@@ -136,7 +136,10 @@ def test_hard_cases_say_how_certain_and_how_slow_they_are():
 def test_what_was_not_measured_is_told():
     hard = results.Result("hard", "", {}, [], MACHINE)
     text = "".join(page.lacking({"cycles_direct": raced(flip=False), "hard": hard}))
-    assert "Not measured: cycles_bounces, paper, estimators, intervals, throughput and scaling." in text
+    assert (
+        "Not measured: cycles_bounces, corridor, kinds, grids, paper, estimators, intervals, throughput and scaling."
+        in text
+    )
     assert "FLIP of `cycles_direct` was not measured." in text
     assert page.lacking(dict.fromkeys(results.RUNS, raced())) == []
 

@@ -101,8 +101,23 @@ def test_winding_numbers_count_crossing_and_doubled_faces():
     for shift in (0.0, 0.2):
         exact = np.hypot(np.hypot(points[:, 0] - shift, points[:, 1]) - 0.7, points[:, 2]) - 0.25
         expected, near = expected + (exact < 0.0), near | (np.abs(exact) < 0.01)
-    found = [winding(mesh.corners, mesh.nodes, mesh.dipoles, *point) for point in points]
+    found = [winding(mesh.corners, mesh.nodes, mesh.moments, *point) for point in points]
     np.testing.assert_allclose(np.array(found)[~near], expected[~near], atol=0.05)
+
+
+def test_moments_of_far_triangles_stand_for_them():
+    vertices, faces = TORUS
+    mesh = triangles(vertices, faces[300:])
+    exact, dipoles = mesh.moments.copy(), mesh.moments.copy()
+    exact[:, 3] = np.where(exact[:, 3] > 0.0, np.inf, exact[:, 3])
+    dipoles[:, 7:] = 0.0
+    points = np.random.default_rng(2).uniform(-1.2, 1.2, (1000, 3))
+    found = [
+        np.array([winding(mesh.corners, mesh.nodes, moments, *point) for point in points])
+        for moments in (mesh.moments, exact, dipoles)
+    ]
+    errors, without = np.abs(found[0] - found[1]), np.abs(found[2] - found[1])
+    assert errors.max() < 0.05 and np.mean(errors) < 0.5 * np.mean(without)
 
 
 def _volume(shape):

@@ -30,6 +30,11 @@ def _read(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, lamp) -> Shape:
         vertices, faces = _arrays(mesh)
     finally:
         obj.to_mesh_clear()
+    if not len(faces) and any(modifier.type == "NODES" for modifier in obj.modifiers):
+        raise RenderError(
+            f"{_named(obj)} has no faces, so it has no inside: end its geometry nodes with meshes, and instances with Realize "
+            "Instances."
+        )
     return _grid(obj, vertices, faces, lamp.voxel_size, depsgraph.mode == "RENDER")
 
 

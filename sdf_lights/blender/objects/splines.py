@@ -112,4 +112,5 @@ def _nurbs(rows, radii, order: int, closed: bool, end: bool, bezier: bool, resol
         basis = rising * basis[:, :count] + falling * basis[:, 1 : count + 1]
     found = basis[:, : len(values)] @ values
     weights = found[:, 3:4]
-    return Path(found[:, :3] / weights, found[:, 4] / weights[:, 0], closed)
+    with np.errstate(all="ignore"):  # of weights 0: lamps refuse what is not a number
+        return Path(found[:, :3] / weights, found[:, 4] / weights[:, 0], closed)

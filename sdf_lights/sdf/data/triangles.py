@@ -3,8 +3,8 @@
 """Distance to triangles, and which side of them a point is on, by a tree of boxes.
 
 Sides are told by the generalised winding number (Jacobson, Kavan and Sorkine 2013), which holes, cracks, doubled and
-crossing faces hardly disturb. Far parts of the tree count as dipoles (Barill, Dickson, Schmidt, Levin and Jacobson
-2018).
+crossing faces hardly disturb. Far parts of the tree count as dipoles and quadrupoles (Barill, Dickson, Schmidt, Levin
+and Jacobson 2018).
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import numpy as np
 from ...jit import kernel, stack_array
 from . import boxes
 
-FAR = 3.5  # radii of a part, from which on it counts as a dipole: errors of some hundredths of a winding at most
+FAR = 2.5  # radii of a part, from which on its moments stand for it: errors of some hundredths of a winding at most
 SLACK = 1.0 + 1e-9  # of what is searched, so that rounding leaves the nearest triangle in it
 
 
@@ -26,9 +26,9 @@ class Triangles(NamedTuple):
 
     corners: np.ndarray  # (LEAF · leaves, 10): three corners, and 1, or 0 of a triangle that is there again
     nodes: np.ndarray  # (2 leaves, 6)
-    dipoles: (
-        np.ndarray
-    )  # (2 leaves, 7) of the nodes: the centre, the sum of areas times normals, the square of ``FAR`` radii
+    moments: np.ndarray
+    """(2 leaves, 13) of the nodes: the centre, the square of ``FAR`` radii, the sum of areas times normals, and xx, xy, xz, yy,
+    yz, zz of the symmetric part, without trace, of the sum of places from the centre times areas times normals."""
     closed: bool  # whether each edge has as many triangles on one side as on the other
 
 
@@ -48,20 +48,28 @@ def triangles(vertices: np.ndarray, faces: np.ndarray) -> Triangles:
     once[np.unique(order, return_index=True)[1]] = 1.0  # a triangle that is there again has no weight
     corners = np.column_stack([found[order].reshape(-1, 9), once])
     weights = once * areas[order]
-    sums = np.zeros((2 * leaves, 7))  # area, area times centre, area times normal
-    rows = np.column_stack([weights, weights[:, None] * found[order].mean(axis=1), once[:, None] * normals[order]])
-    sums[leaves:] = rows.reshape(leaves, boxes.LEAF, 7).sum(axis=1)
+    sums = np.zeros((2 * leaves, 16))  # area, area times centre, area times normal, centre times area times normal
+    places, flux = (found.sum(axis=1) / 3.0)[order], once[:, None] * normals[order]
+    rows = np.empty((len(order), 16))
+    rows[:, 0], rows[:, 1:4], rows[:, 4:7] = weights, weights[:, None] * places, flux
+    rows[:, 7:] = (places[:, :, None] * flux[:, None, :]).reshape(-1, 9)
+    sums[leaves:] = sum(rows[k :: boxes.LEAF] for k in range(boxes.LEAF))
     level = leaves
     while level > 1:
         level //= 2
-        sums[level : 2 * level] = sums[2 * level : 4 * level].reshape(level, 2, 7).sum(axis=1)
+        sums[level : 2 * level] = sums[2 * level : 4 * level : 2] + sums[2 * level + 1 : 4 * level : 2]
     with np.errstate(all="ignore"):
         middles = np.where(sums[:, :1] > 0.0, sums[:, 1:4] / sums[:, :1], 0.5 * (nodes[:, :3] + nodes[:, 3:]))
         farthest = np.maximum(np.abs(nodes[:, :3] - middles), np.abs(nodes[:, 3:] - middles))
         reach = np.where(
             sums[:, 0] > 0.0, FAR**2 * (farthest**2).sum(axis=1), -1.0
         )  # parts without triangles add nothing
-    return Triangles(corners, nodes, np.column_stack([middles, sums[:, 4:], reach]), closed)
+    flux = sums[:, 4:7]
+    second = sums[:, 7:].reshape(-1, 3, 3) - middles[:, :, None] * flux[:, None, :]
+    second = 0.5 * (second + second.transpose(0, 2, 1))
+    second -= second.trace(axis1=1, axis2=2)[:, None, None] / 3.0 * np.eye(3)
+    upper = second[:, *np.triu_indices(3)]
+    return Triangles(corners, nodes, np.column_stack([middles, reach, flux, upper]), closed)
 
 
 def _is_closed(faces: np.ndarray) -> bool:
@@ -147,9 +155,10 @@ def nearest(corners, nodes, x, y, z, most, guess):
         node, distance = int(stack[depth]), stack[depth + 1]
 
 
-@kernel
+@kernel(forceinline=True)
 def _angle(corners, row, x, y, z):
-    """Half of the solid angle of a triangle, with the sign of its side (Van Oosterom and Strackee 1983)."""
+    """A complex number, as two, whose phase is half of the solid angle of a triangle, with the sign of its side
+    (Van Oosterom and Strackee 1983)."""
     ax, ay, az = corners[row, 0] - x, corners[row, 1] - y, corners[row, 2] - z
     bx, by, bz = corners[row, 3] - x, corners[row, 4] - y, corners[row, 5] - z
     cx, cy, cz = corners[row, 6] - x, corners[row, 7] - y, corners[row, 8] - z
@@ -159,11 +168,11 @@ def _angle(corners, row, x, y, z):
     volume = ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)
     rest = a * b * c
     rest += (ax * bx + ay * by + az * bz) * c + (bx * cx + by * cy + bz * cz) * a + (cx * ax + cy * ay + cz * az) * b
-    return math.atan2(volume, rest)
+    return rest, volume
 
 
 @kernel
-def winding(corners, nodes, dipoles, x, y, z):
+def winding(corners, nodes, moments, x, y, z):
     """How often the triangles wind around a point."""
     stack = stack_array(96)
     leaves = len(nodes) // 2
@@ -172,20 +181,30 @@ def winding(corners, nodes, dipoles, x, y, z):
     while depth > 0:
         depth -= 1
         node = int(stack[depth])
-        reach = dipoles[node, 6]
+        reach = moments[node, 3]
         if reach < 0.0:
             continue
-        dx, dy, dz = dipoles[node, 0] - x, dipoles[node, 1] - y, dipoles[node, 2] - z
+        dx, dy, dz = moments[node, 0] - x, moments[node, 1] - y, moments[node, 2] - z
         square = dx * dx + dy * dy + dz * dz
         if square > reach:
-            flux = dx * dipoles[node, 3] + dy * dipoles[node, 4] + dz * dipoles[node, 5]
-            total += 0.5 * flux / (square * math.sqrt(square))
+            flux = dx * moments[node, 4] + dy * moments[node, 5] + dz * moments[node, 6]
+            second = dx * (dx * moments[node, 7] + 2.0 * (dy * moments[node, 8] + dz * moments[node, 9]))
+            second += dy * (dy * moments[node, 10] + 2.0 * dz * moments[node, 11]) + dz * dz * moments[node, 12]
+            total += 0.5 * (flux - 3.0 * second / square) / (square * math.sqrt(square))
         elif node < leaves:
             stack[depth], stack[depth + 1] = 2 * node, 2 * node + 1
             depth += 2
         else:
             row = 4 * (node - leaves)
+            real, imaginary = 1.0, 0.0
             for index in range(row, row + 4):
                 if corners[index, 9] > 0.0:
-                    total += _angle(corners, index, x, y, z)
+                    rest, volume = _angle(corners, index, x, y, z)
+                    # The phases of four such small ones, as of most, add up within half a turn.
+                    if rest > abs(volume):
+                        slope = volume / rest
+                        real, imaginary = real - imaginary * slope, real * slope + imaginary
+                    else:
+                        total += math.atan2(volume, rest)
+            total += math.atan2(imaginary, real)
     return total / (2.0 * math.pi)

@@ -64,7 +64,7 @@ def _fill(values, known, k, j, i, radius, turns):
 
 
 @kernel
-def _measure(corners, nodes, dipoles, closed, corner, size, starts, step, band, distances, windings):
+def _measure(corners, nodes, moments, closed, corner, size, starts, step, band, distances, windings):
     """Distances and winding numbers (n, m, m, m) at lattices of points
     ``step`` voxels apart, which begin at ``starts``.
 
@@ -96,7 +96,7 @@ def _measure(corners, nodes, dipoles, closed, corner, size, starts, step, band, 
                         if known[k, j, i] or found < least:
                             continue
                         turns = winding(
-                            corners, nodes, dipoles, x + size * step * i, y + size * step * j, z + size * step * k
+                            corners, nodes, moments, x + size * step * i, y + size * step * j, z + size * step * k
                         )
                         windings[block, k, j, i], known[k, j, i] = turns, True
                         _fill(windings[block], known, k, j, i, _reach(turns, min(found, band), closed) / spacing, turns)
@@ -143,7 +143,7 @@ class _Builder:
             _measure(
                 mesh.corners,
                 mesh.nodes,
-                mesh.dipoles,
+                mesh.moments,
                 mesh.closed,
                 self.corner,
                 self.size,
