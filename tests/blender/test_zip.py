@@ -136,9 +136,8 @@ def test_two_whole_zips_are_the_same_bytes(tmp_path):
     """Two checkouts in folders of other names and lengths, each with its own path to Python, caches and temporary
     folder; all kernels are compiled in both. Nothing in them names a folder."""
     environment = pathlib.Path(sys.executable).parents[1]
-    made = []
-    for name in ("one", "another folder/with a longer name"):
-        checkout = tmp_path / name / "checkout"
+    checkouts = [tmp_path / name / "checkout" for name in ("one", "another folder/with a longer name")]
+    for checkout in checkouts:  # both first: the sources may change meanwhile
         for entry in (*build_extension.CONTENTS, build_extension.MANIFEST.name, "scripts"):
             source, target = REPOSITORY / entry, checkout / entry
             if source.is_dir():
@@ -147,6 +146,8 @@ def test_two_whole_zips_are_the_same_bytes(tmp_path):
                 target.parent.mkdir(parents=True, exist_ok=True)
                 shutil.copy(source, target)
         (checkout / environment.name).symlink_to(environment)
+    made = []
+    for checkout in checkouts:
         python = checkout / environment.name / pathlib.Path(sys.executable).relative_to(environment)
         folders = {key: str(checkout.with_name(key)) for key in ("TMPDIR", "XDG_CACHE_HOME", "HOME")}
         for folder in folders.values():
