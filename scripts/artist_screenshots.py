@@ -33,15 +33,38 @@ PICTURES = {  # session: files in docs/images by the picture's name
     },
     "properties": {
         "view_layer": "panels_view_layer",
+        "view_layer_end": "panels_view_layer_end",
+        "world": "panels_world",
+        "light": "panels_light",
         "lamp": "panels_lamp",
         "report": "panels_report",
         "object": "panels_object",
         "overlay": "panels_overlay",
+        "other_engine": "panels_other_engine",
+        "feedback": "panels_warnings",
     },
     "nodes": {"node_emission": "lamp_nodes_emission"},  # these three are sessions of the tests
     "panels": {"preset_browser": "lamp_presets"},
     "bounds": {"circle_select": "lamp_circle_select"},
     "native": {"arrow_label": "lamp_arrow", "last_good": "lamp_last_good", "warnings": "lamp_warnings"},
+}
+
+# Panels by the files in docs/images that show them open: names without SDFLIGHTS_PT_. Menus of presets, which open from
+# a button in a header, are left out.
+PANELS = {
+    "lamp_sidebar.png": "view3d view3d_shape view3d_emission view3d_pattern view3d_visibility presets",
+    "panels_warnings.png": "feedback",
+    "panels_lamp.png": "light_shape light_emission light_pattern light_visibility light_readout light_details",
+    "panels_light.png": "light",
+    "panels_object.png": "object_visibility",
+    "panels_other_engine.png": "other_engine",
+    "panels_overlay.png": "overlay",
+    "panels_render.jpg": "sampling sampling_viewport sampling_render sampling_advanced light_paths light_paths_bounces "
+    "light_paths_clamping light_paths_caustics film performance simplify simplify_viewport simplify_render "
+    "simplify_culling motion_blur motion_blur_curve scene_report",
+    "panels_view_layer.png": "passes passes_data",
+    "panels_view_layer_end.png": "passes_light override",
+    "panels_world.png": "world_preview",
 }
 
 WALK = (

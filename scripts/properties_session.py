@@ -13,21 +13,22 @@ import bpy
 REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(REPOSITORY), str(REPOSITORY / "scripts")]
 
-from window import ARGUMENTS, areas, event, inside, move, override, picture, run  # noqa: E402
+from window import ARGUMENTS, areas, event, inside, move, override, picture, region_of, run  # noqa: E402
 
 import sdf_lights.blender as addon  # noqa: E402  (found on the path set above)
-from sdf_lights.blender import panels, scene_panels, scene_report  # noqa: E402
+from sdf_lights.blender import lamp_panels, panels, scene_panels, scene_report  # noqa: E402
 
 FOLDER = ARGUMENTS[1]
 PAGES, PAGE = 3, 17  # of the tab Render, and turns of the wheel from one to the next
+PREVIEW = 40.0  # seconds for the preview of the world, whose kernels may have to be compiled
 END = 40  # turns of the wheel to the end of a tab
 
 
 def opened() -> None:
-    """Let all panels of the tab Render be open from the start, before they are registered."""
-    for module in (panels, scene_panels, scene_report):
+    """Let all panels of these tabs be open from the start, before they are registered."""
+    for module in (lamp_panels, panels, scene_panels, scene_report):
         for kind in module.CLASSES:
-            if getattr(kind, "bl_context", "") == "render":
+            if getattr(kind, "bl_context", "") in ("render", "view_layer", "world", "data"):
                 kind.bl_options = getattr(kind, "bl_options", set()) - {"DEFAULT_CLOSED"}
 
 
@@ -72,6 +73,8 @@ def steps():
     with override(view):
         bpy.ops.sdf_lights.lamp_add(source="PRESET", preset="LANTERN", location=(1.5, 0.0, 1.0))
     scene.render.engine = "SDF_LIGHTS"
+    color = scene.world.node_tree.nodes["Background"].inputs["Color"]
+    color.default_value = (0.2, 0.4, 0.8, 1.0)
     yield 1.0
     with override(view):
         bpy.ops.screen.area_split(direction="VERTICAL", factor=0.5)
@@ -79,11 +82,16 @@ def steps():
     area, other = sorted(areas(), key=lambda area: area.x)
     area.type = other.type = "PROPERTIES"
     yield 1.0
-    for name, context in (("view_layer", "VIEW_LAYER"), ("lamp", "DATA"), ("render_0", "RENDER")):
+    place = inside(area, 0.5, 0.3)
+    for name, context in (("world", "WORLD"), ("view_layer", "VIEW_LAYER"), ("lamp", "DATA"), ("render_0", "RENDER")):
         area.spaces.active.context = context
-        yield 1.5
+        yield PREVIEW if name == "world" else 1.5
         picture(FOLDER, name, area)
-    place = move(inside(area, 0.5, 0.3))
+        if name == "view_layer":
+            move(place)
+            yield from wheel(place, END)
+            picture(FOLDER, "view_layer_end", area)
+    move(place)
     yield
     for page in range(1, PAGES):
         yield from wheel(place, PAGE)
@@ -95,6 +103,16 @@ def steps():
         deviations()
     yield from wheel(place, END)
     picture(FOLDER, "report", area)
+    bpy.context.view_layer.objects.active = next(obj for obj in scene.objects if obj.name.endswith("Lantern"))
+    other.spaces.active.show_region_ui = True
+    yield 1.5  # the tabs are known once they are drawn
+    region_of(other, "UI").active_panel_category = "SDF Lights"
+    yield 1.5
+    place = move(inside(other, 0.5, 0.5, "UI"))
+    yield from wheel(place, END)
+    picture(FOLDER, "feedback", other)
+    other.spaces.active.show_region_ui = False
+    yield 1.0
     bpy.context.view_layer.objects.active = bpy.data.objects["Cube"]
     area.spaces.active.context = "OBJECT"
     yield 1.0
@@ -102,6 +120,17 @@ def steps():
     move(inside(other, 0.5, 0.9))  # away from the tooltips
     yield 1.0
     picture(FOLDER, "object", area)
+    with override(other):
+        bpy.ops.object.light_add(type="AREA", location=(-1.5, 0.0, 2.0))
+    area.spaces.active.context = "DATA"
+    yield 1.5
+    picture(FOLDER, "light", area)
+    bpy.context.view_layer.objects.active = next(obj for obj in scene.objects if obj.name.endswith("Lantern"))
+    scene.render.engine = "BLENDER_WORKBENCH"
+    yield 1.5
+    picture(FOLDER, "other_engine", area)
+    scene.render.engine = "SDF_LIGHTS"
+    yield 1.5
     with override(other, "HEADER"):
         bpy.ops.wm.call_panel(name="VIEW3D_PT_overlay", keep_open=True)
     yield 1.5

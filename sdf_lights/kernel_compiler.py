@@ -7,15 +7,20 @@ This module imports Numba, which takes half a second and 60 MB, so it is importe
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import itertools
+import pathlib
+from collections.abc import Iterator
 from typing import NamedTuple
 
 from llvmlite import binding as llvm
 from numba import types
+from numba.core.callconv import CPUCallConv
 from numba.core.ccallback import CFunc
 from numba.core.codegen import JITCodeLibrary, JITCPUCodegen
 from numba.core.compiler import Compiler
+from numba.core.compiler_lock import global_compiler_lock
 from numba.core.compiler_machinery import PassManager
 from numba.core.registry import CPUDispatcher, cpu_target
 from numba.core.runtime import rtsys
@@ -187,6 +192,24 @@ class _PartDispatcher(CPUDispatcher):
         return super().get_call_template(tuple(map(types.unliteral, args)), kws)
 
 
+@contextlib.contextmanager
+def _without_folders() -> Iterator[None]:
+    """Numba's functions record in which file they raise. Here that is a name without a folder: the same code anywhere,
+    and nothing about the machine in what a zip ships."""
+    with global_compiler_lock:  # others compile their code as before
+        kept = CPUCallConv.build_excinfo_struct
+
+        def described(self, exception, arguments, place, function):
+            kind, given, found = kept(self, exception, arguments, place, function)
+            return kind, given, found and (found[0], pathlib.PurePath(found[1]).name, found[2])
+
+        CPUCallConv.build_excinfo_struct = described
+        try:
+            yield
+        finally:
+            CPUCallConv.build_excinfo_struct = kept
+
+
 def part(python, settings: dict) -> types.Dispatcher:
     """Numba's type of a kernel that other kernels link in."""
     made = _PartDispatcher(
@@ -204,7 +227,8 @@ def is_part_compiled(kind: types.Dispatcher) -> bool:
 def compiled(python, settings: dict, arguments: tuple) -> tuple[Stored, bool]:
     """A kernel as an entry that Python calls with such arguments, and whether other processes may use it."""
     dispatcher = CPUDispatcher(py_func=python, targetoptions={**_KERNEL, **settings}, pipeline_class=_EntryCompiler)
-    dispatcher.compile(tuple(map(dispatcher.typeof_pyval, arguments)))
+    with _without_folders():
+        dispatcher.compile(tuple(map(dispatcher.typeof_pyval, arguments)))
     (result,) = dispatcher.overloads.values()
     return _stored(result, result.fndesc.llvm_cpython_wrapper_name), not result.library.has_dynamic_globals
 
@@ -213,7 +237,8 @@ def compiled_for_c(function, arguments: int) -> tuple[Stored, bool]:
     """A function as an entry that C calls with so many integers, and whether other processes may use it."""
     signature = (types.int64,) * arguments, types.void
     made = _CFunction(function, signature, {}, SETTINGS, pipeline_class=_EntryCompiler)
-    made.compile()
+    with _without_folders():
+        made.compile()
     result = made.result
     return _stored(result, result.fndesc.llvm_cfunc_wrapper_name), not result.library.has_dynamic_globals
 

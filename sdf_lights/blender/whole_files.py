@@ -84,14 +84,11 @@ _HANDLERS = (
 )
 
 
-SUPPORTED = bpy.app.version >= (5, 0, 0)  # renders of an animation in 4.5 can hang with these handlers
-
-
 def register():
-    for name, handler in _HANDLERS if SUPPORTED else ():
+    for name, handler in _HANDLERS:
         getattr(bpy.app.handlers, name).append(handler)
 
 
 def unregister():
-    for name, handler in _HANDLERS if SUPPORTED else ():
+    for name, handler in _HANDLERS:
         getattr(bpy.app.handlers, name).remove(handler)

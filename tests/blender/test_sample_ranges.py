@@ -104,8 +104,8 @@ def passes_of(parts: list[merge_files.Part]) -> dict[str, np.ndarray]:
 
 
 def test_four_ranges_are_one_render(ranges, file, tmp_path, capsys):
-    whole = passes_of(merge_files.read(ranges("0:32")))
-    parts = [ranges(f"{first}:{first + 8}") for first in (8, 0, 24, 16)]
+    whole = passes_of(merge_files.read(ranges("0:256")))
+    parts = [ranges(f"{first}:{first + 64}") for first in (64, 0, 192, 128)]
     assert merge_files.main([str(tmp_path / "out.exr"), *map(str, parts)]) == 0
     joined = passes_of(merge_files.read(tmp_path / "out.exr"))
     assert set(joined) == set(whole) and len(whole) >= 16
@@ -121,9 +121,9 @@ def test_four_ranges_are_one_render(ranges, file, tmp_path, capsys):
             continue
         np.testing.assert_allclose(found, expected, rtol=2e-5, atol=2e-6, err_msg=name)
     # The file says what it has, so it can be joined with more.
-    assert told(tmp_path / "out.exr") == {"ViewLayer": (merging.Share(5, 0, 32),)}
+    assert told(tmp_path / "out.exr") == {"ViewLayer": (merging.Share(5, 0, 256),)}
     file.layer.sdf_lights.use_pass_denoising_data = True
-    halves = [str(ranges(samples)) for samples in ("32:36", "36:40")]
+    halves = [str(ranges(samples)) for samples in ("256:260", "260:264")]
     for name, words in (("noisy", []), ("clean", ["--denoise"])):
         assert merge_files.main([*words, "--frame", "7", str(tmp_path / f"{name}_##.exr"), *halves]) == 0
     noisy, clean = (passes_of(merge_files.read(tmp_path / f"{name}_07.exr")) for name in ("noisy", "clean"))

@@ -6,6 +6,7 @@ import json
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 import tomllib
@@ -22,7 +23,8 @@ sys.path.insert(0, str(REPOSITORY / "scripts"))
 
 import build_extension  # noqa: E402  (found on the path set above)
 import host  # noqa: E402
-import shipped_kernels  # noqa: E402
+
+from sdf_lights import kernel_cache  # noqa: E402
 
 USER = "extensions/.user/user_default/sdf_lights/"
 PRESENT = dict(engine=True, lamp=True, settings=True, enabled=True)
@@ -128,15 +130,41 @@ def test_two_zips_of_the_same_sources_are_the_same_bytes(zip_folder, tmp_path):
     assert first.read_bytes() == second.read_bytes()
 
 
-@pytest.mark.slow  # compiles kernels twice
-def test_kernels_of_two_zips_are_the_same_bytes():
-    compiler = shipped_kernels.compiler(PYTHON)
-
-    def kernels() -> dict[pathlib.Path, bytes]:
-        folder = shipped_kernels.compiled(REPOSITORY, compiler, ("lamps",), keep=False)
-        return {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
-
-    assert kernels() == kernels() != {}
+@pytest.mark.slow  # compiles all kernels twice
+@pytest.mark.skipif(os.name == "nt", reason="links an environment")
+def test_two_whole_zips_are_the_same_bytes(tmp_path):
+    """Two checkouts in folders of other names and lengths, each with its own path to Python, caches and temporary
+    folder; all kernels are compiled in both. Nothing in them names a folder."""
+    environment = pathlib.Path(sys.executable).parents[1]
+    checkouts = [tmp_path / name / "checkout" for name in ("one", "another folder/with a longer name")]
+    for checkout in checkouts:  # both first: the sources may change meanwhile
+        for entry in (*build_extension.CONTENTS, build_extension.MANIFEST.name, "scripts"):
+            source, target = REPOSITORY / entry, checkout / entry
+            if source.is_dir():
+                shutil.copytree(source, target, ignore=shutil.ignore_patterns("__pycache__"))
+            else:
+                target.parent.mkdir(parents=True, exist_ok=True)
+                shutil.copy(source, target)
+        (checkout / environment.name).symlink_to(environment)
+    made = []
+    for checkout in checkouts:
+        python = checkout / environment.name / pathlib.Path(sys.executable).relative_to(environment)
+        folders = {key: str(checkout.with_name(key)) for key in ("TMPDIR", "XDG_CACHE_HOME", "HOME")}
+        for folder in folders.values():
+            pathlib.Path(folder).mkdir()
+        given = {key: value for key, value in os.environ.items() if key != "SDF_LIGHTS_CACHE"} | folders
+        command = [python, checkout / "scripts" / "build_extension.py", "--python", PYTHON]
+        done = subprocess.run(command, env=given, capture_output=True, text=True, timeout=1800)
+        assert done.returncode == 0, done.stderr
+        made += (checkout / "dist").glob("*.zip")
+    first, second = made
+    with zipfile.ZipFile(first) as one, zipfile.ZipFile(second) as other:
+        assert one.namelist() == other.namelist()
+        kernels = [name for name in one.namelist() if name.endswith(kernel_cache.SUFFIX)]
+        assert len(kernels) > 100
+        assert [name for name in one.namelist() if one.read(name) != other.read(name)] == []
+        assert [name for name in kernels if b"site-packages" in one.read(name)] == []
+    assert first.read_bytes() == second.read_bytes()
 
 
 @pytest.mark.gui
