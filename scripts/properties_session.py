@@ -17,10 +17,11 @@ from window import ARGUMENTS, areas, event, inside, move, override, picture, reg
 
 import sdf_lights.blender as addon  # noqa: E402  (found on the path set above)
 from sdf_lights.blender import lamp_panels, panels, scene_panels, scene_report  # noqa: E402
+from sdf_lights.render.cpu import background  # noqa: E402
 
 FOLDER = ARGUMENTS[1]
 PAGES, PAGE = 3, 17  # of the tab Render, and turns of the wheel from one to the next
-PREVIEW = 40.0  # seconds for the preview of the world, whose kernels may have to be compiled
+PREVIEW = 10.0  # seconds for the preview of the world, if its kernels are compiled
 END = 40  # turns of the wheel to the end of a tab
 
 
@@ -85,6 +86,8 @@ def steps():
     place = inside(area, 0.5, 0.3)
     for name, context in (("world", "WORLD"), ("view_layer", "VIEW_LAYER"), ("lamp", "DATA"), ("render_0", "RENDER")):
         area.spaces.active.context = context
+        while name == "world" and background.running():
+            yield 1.0
         yield PREVIEW if name == "world" else 1.5
         picture(FOLDER, name, area)
         if name == "view_layer":

@@ -107,6 +107,17 @@ def build() -> None:
         to_nodes(light)
 
 
+def _plaster() -> bpy.types.Material:
+    """A diffuse material: that of surfaces without one differs between versions of Blender."""
+    made = bpy.data.materials.get("Plaster") or bpy.data.materials.new("Plaster")
+    made.use_nodes = True
+    tree = made.node_tree
+    tree.nodes.clear()
+    diffuse, output = tree.nodes.new("ShaderNodeBsdfDiffuse"), tree.nodes.new("ShaderNodeOutputMaterial")
+    tree.links.new(diffuse.outputs[0], output.inputs["Surface"])
+    return made
+
+
 def _stage() -> bpy.types.Scene:
     """The open scene: a camera above a floor."""
     scene = bpy.context.scene
@@ -120,6 +131,7 @@ def _stage() -> bpy.types.Scene:
     scene.camera = camera
     floor = bpy.data.meshes.new("Floor")
     floor.from_pydata([(-4, -4, 0), (4, -4, 0), (4, 4, 0), (-4, 4, 0)], [], [(0, 1, 2, 3)])
+    floor.materials.append(_plaster())
     object_lamps.add("Floor", floor, rotation=(0.0, 0.0, 0.0))
     return scene
 

@@ -60,20 +60,18 @@ def test_a_file_of_an_older_version_means_what_it_meant(registered, path):
 @pytest.mark.slow
 @pytest.mark.parametrize("path", _readable("scenes"))
 def test_small_scenes_of_an_older_version_look_as_they_did(registered, path):
-    """Every source of lamps, every setting, set or not, view layers and passes; in the Blender that saved them also the
-    means of renders. Other versions of Blender differ by up to 1.2 % with the same samples."""
+    """Every source of lamps, every setting, set or not, view layers, passes, and the means of renders. Eight samples a
+    pixel have some noise, which changes with the sampler."""
     bpy.ops.wm.open_mainfile(filepath=str(path))
     kept, found = _kept(path), version_files.scenes_contents()
     assert {lamp["source"] for lamp in kept["lamps"].values()} == SOURCES
     means = [{name: scene.pop("means") for name, scene in each["scenes"].items()} for each in (found, kept)]
     assert found["lamps"].keys() == kept["lamps"].keys() and means[0].keys() == means[1].keys()
     _compare(found, kept, path.stem)
-    if not path.stem.endswith(f"blender{bpy.app.version[0]}.{bpy.app.version[1]}"):
-        return
     for name, layers in means[1].items():
         for layer, mean in layers.items():
             assert min(mean) > 0.0
-            np.testing.assert_allclose(means[0][name][layer], mean, rtol=1e-4, err_msg=f"{name} {layer}")
+            np.testing.assert_allclose(means[0][name][layer], mean, rtol=0.02, err_msg=f"{name} {layer}")
 
 
 def test_there_is_a_file_of_this_version():
