@@ -93,6 +93,8 @@ def steps():
         if name == "view_layer":
             move(place)
             yield from wheel(place, END)
+            move(inside(other, 0.5, 0.9))  # away from the tooltips
+            yield 1.0
             picture(FOLDER, "view_layer_end", area)
     move(place)
     yield

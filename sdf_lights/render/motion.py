@@ -115,10 +115,11 @@ def lamp_at(lamp: Lamp, time: float) -> Lamp:
 
 def changes_shape(lamp: Lamp) -> bool:
     """Whether the shape of a lamp, or the pattern of its emission, changes while the shutter is open."""
-    return any(_form(state) != _form(lamp.motion[0]) for state in lamp.motion)
+    return any(shape_and_emission(state) != shape_and_emission(lamp.motion[0]) for state in lamp.motion)
 
 
-def _form(thing) -> tuple:
+def shape_and_emission(thing) -> tuple:
+    """Shape and emission of a lamp; nothing of a light or the camera."""
     return (thing.shape, thing.emission) if isinstance(thing, Lamp) else ()
 
 
@@ -144,11 +145,15 @@ def resampled(things: tuple) -> tuple:
     if len(things) < 2:
         return ()
     steps = len(things) - 1
-    changes = any(_form(thing) != _form(things[0]) for thing in things)
+    changes = any(shape_and_emission(thing) != shape_and_emission(things[0]) for thing in things)
     growth = max(map(_growth, things, things[1:])) if isinstance(things[0], Emitter) else 0.0
     least = _power_of_two(growth / LARGEST_GROWTH)
     if changes:
-        wanted = max(change(*pair) for a, b in zip(things, things[1:]) for pair in zip(_form(a), _form(b)))
+        wanted = max(
+            change(*pair)
+            for a, b in zip(things, things[1:])
+            for pair in zip(shape_and_emission(a), shape_and_emission(b))
+        )
         # Two at least, for what jumps to the form at the nearer time.
         least = max(least, 2, _power_of_two(min(wanted / SMALLEST_CHANGE, MOST_SHAPES / steps)))
     matrices = poses(np.stack([thing.matrix for thing in things]), least)

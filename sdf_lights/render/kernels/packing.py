@@ -17,7 +17,7 @@ from ...emitter.sampling import cut as cuts
 from ...emitter.sampling import external, strategies
 from ...jit import block_dtype
 from ..material import Node
-from ..motion import LEAST_POWER, at, changes_shape, lamp_at, light_steps
+from ..motion import LEAST_POWER, at, changes_shape, lamp_at, light_steps, shape_and_emission
 from ..scene import Instance, Lamp, Mesh, Primitive, Scene
 from ..settings import LampSampling
 from ..strands import margin
@@ -214,7 +214,12 @@ def pack_elsewhere(scene: Scene, sources: list[Lamp], materials: np.ndarray) -> 
     if steps == 0:
         return None
     result = Elsewhere([], [], [], [])
-    forms = [tuple(_form_at(lamp, (step + 0.5) / steps) for lamp in sources) for step in range(steps)]
+    changing = [changes_shape(lamp) for lamp in sources]
+    middles = [(step + 0.5) / steps for step in range(steps)]
+    forms = [
+        tuple(shape_and_emission(lamp_at(lamp, time) if changes else lamp) for lamp, changes in zip(sources, changing))
+        for time in middles
+    ]
     first = 0
     for end in range(1, steps + 1):
         if end == steps or forms[end] != forms[first]:
@@ -224,12 +229,6 @@ def pack_elsewhere(scene: Scene, sources: list[Lamp], materials: np.ndarray) -> 
             result.segments.append(segment)
             first = end
     return result
-
-
-def _form_at(lamp: Lamp, time: float) -> tuple:
-    """Shape and emission of a lamp."""
-    there = lamp_at(lamp, time) if changes_shape(lamp) else lamp
-    return there.shape, there.emission
 
 
 def _pack_step(
