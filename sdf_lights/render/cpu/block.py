@@ -89,10 +89,10 @@ class PackedScene:
         assert self._tables.keys() == TABLES.keys(), self._tables.keys() ^ TABLES.keys()
         if catches:
             self._bare = PackedScene(catchers_only(scene), film, self._blocks[1:])
-            self._part_bare()
+            self._separate_bare()
 
-    def _part_bare(self) -> None:
-        """Part the block of the catchers from the other one, with which it shares film and workspaces."""
+    def _separate_bare(self) -> None:
+        """Let the block of the catchers write no passes, and share no stored boxes of lamps in the workspaces."""
         self._bare.block["outputs"], self._bare.block["region_set"] = 0, 1
 
     def _pack_shading(self, scene: Scene) -> dict[str, np.ndarray]:
@@ -139,7 +139,7 @@ class PackedScene:
         """
         if self._bare is not None:
             self._bare.update_lights(catchers_only(scene))
-            self._part_bare()
+            self._separate_bare()
         if any(light.emission is not None for light in scene.lights) or len(scene.lights) + 1 != len(
             self._tables["emissions"]
         ):
@@ -166,7 +166,7 @@ class PackedScene:
         """
         if self._bare is not None:
             self._bare.update_camera(catchers_only(scene), film)
-            self._part_bare()
+            self._separate_bare()
         self._show(np.array([int(scene.lamps[index].visibility) for index in self._built], np.int64))
         self._fill(camera.pack_camera(scene), camera.camera_scalars(scene))
         self._fill({}, integrator_scalars(scene, self._flags, self._tables))
