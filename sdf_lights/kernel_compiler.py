@@ -42,6 +42,7 @@ from numba.core.untyped_passes import (
     TranslateByteCode,
 )
 
+from .garbage import rarely_all_searched
 from .kernel_code import FASTMATH, Stored, base_processor, stored_code
 
 SETTINGS = dict(nopython=True, boundscheck=None, nogil=True, error_model="numpy", fastmath=FASTMATH)
@@ -227,7 +228,7 @@ def is_part_compiled(kind: types.Dispatcher) -> bool:
 def compiled(python, settings: dict, arguments: tuple) -> tuple[Stored, bool]:
     """A kernel as an entry that Python calls with such arguments, and whether other processes may use it."""
     dispatcher = CPUDispatcher(py_func=python, targetoptions={**_KERNEL, **settings}, pipeline_class=_EntryCompiler)
-    with _without_folders():
+    with rarely_all_searched(), _without_folders():
         dispatcher.compile(tuple(map(dispatcher.typeof_pyval, arguments)))
     (result,) = dispatcher.overloads.values()
     return _stored(result, result.fndesc.llvm_cpython_wrapper_name), not result.library.has_dynamic_globals
@@ -237,7 +238,7 @@ def compiled_for_c(function, arguments: int) -> tuple[Stored, bool]:
     """A function as an entry that C calls with so many integers, and whether other processes may use it."""
     signature = (types.int64,) * arguments, types.void
     made = _CFunction(function, signature, {}, SETTINGS, pipeline_class=_EntryCompiler)
-    with _without_folders():
+    with rarely_all_searched(), _without_folders():
         made.compile()
     result = made.result
     return _stored(result, result.fndesc.llvm_cfunc_wrapper_name), not result.library.has_dynamic_globals

@@ -10,7 +10,7 @@ import pickle
 import pytest
 
 from sdf_lights.frozen import frozen
-from sdf_lights.garbage import nothing_to_collect
+from sdf_lights.garbage import nothing_to_collect, rarely_all_searched
 
 
 def _pair(decorator, name: str):
@@ -104,3 +104,10 @@ def test_garbage_is_collected_after_a_block_as_before(was_on):
         assert gc.isenabled() == was_on and not gc.get_freeze_count()
     finally:
         (gc.enable if before else gc.disable)()
+
+
+def test_all_objects_are_searched_as_often_as_before_after_a_block():
+    kept = gc.get_threshold()
+    with rarely_all_searched():
+        assert gc.get_threshold()[:2] == kept[:2] and gc.get_threshold()[2] >= 1000
+    assert gc.get_threshold() == kept

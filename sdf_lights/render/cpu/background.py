@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Compiles kernels in processes beside a session, at low priority, so its window never waits for them.
 
-There is one process for the path tracer and one for lamps; kernels of special scenes follow the latter. They write into
-the cache that the session reads. While a render waits for them, they have the priority of the session. This module does
-not import Numba.
+There is one process for the path tracer and one for the rest, which takes as long: lamps, light paths, and last the
+kernels of special scenes. They write into the cache that the session reads. While a render waits for them, they have
+the priority of the session. This module does not import Numba.
 """
 
 from __future__ import annotations
@@ -25,9 +25,10 @@ from ... import kernel_cache, kernel_code
 from . import priority
 
 PACKAGE = pathlib.Path(__file__).resolve().parents[2]
-# Groups of ``precompile``, by process. The first of each are needed for any picture.
-PROCESSES = (("paths",), ("lamps", "special"))
-NEEDED = tuple(groups[:1] for groups in PROCESSES)
+# Groups of ``precompile``, by process: those that a picture waits for, and all. Light paths are among the first, as
+# else most pictures with lamps would compile them, on one core.
+NEEDED = ("paths",), ("lamps", "light_paths")
+PROCESSES = NEEDED[0], (*NEEDED[1], "special")
 POLL_SECONDS = 0.05
 STARVED_SECONDS, STARVED_SHARE = 3.0, 0.25  # of these seconds, a starved process had less of a processor
 _READY = "ready-"
@@ -79,8 +80,8 @@ class _Process:
 
     @property
     def is_needed(self) -> bool:
-        """Whether it is compiling what any picture needs."""
-        return self.running and self.groups[0] not in self.finished
+        """Whether it is compiling what pictures need."""
+        return self.running and any(group in self.groups and group not in self.finished for group in sum(NEEDED, ()))
 
     def raise_priority(self) -> None:
         """Give it the priority of the session. Where the system does not allow that and the process is starved by

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Compiles kernels in advance: when a zip is built, and in processes beside a session.
 
-    python -m sdf_lights.render.cpu.precompile [--beside] [lamps|paths|special …]
+    python -m sdf_lights.render.cpu.precompile [--beside] [lamps|light_paths|paths|special …]
 
 compiles into the cache folder and prints its progress, each time a line such as «312 of 527», and «finished lamps». The
 last line is the ``host_hash`` that the kernels are for. Without a name: all groups. ``--beside``: ends when its
@@ -66,8 +66,8 @@ def _lamps() -> tuple[list, Callable[[], None]]:
     return entries, run
 
 
-def _scene() -> Scene:
-    """A lamp above a floor."""
+def _scene(lamps: bool = True) -> Scene:
+    """A floor, and a lamp above it."""
     corners = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], np.float32)
     floor = Mesh("Floor", corners, np.array([[0, 1, 2], [0, 2, 3]], np.int32))
     above = np.eye(4)
@@ -79,19 +79,36 @@ def _scene() -> Scene:
         meshes=[floor],
         instances=[Instance(0, np.eye(4), (0,))],
         materials=[Material("Floor", Node("diffuse", {"color": (0.5, 0.5, 0.5)}))],
-        lamps=[Lamp("Lamp", Sphere(0.5), above)],
+        lamps=[Lamp("Lamp", Sphere(0.5), above)] if lamps else [],
         settings=Settings(samples=1),
     )
 
 
 def _paths() -> tuple[list, Callable[[], None]]:
-    """The path tracer."""
+    """The path tracer, which is the same without lamps: those are another group's."""
 
     def run() -> None:
-        scene = _scene()
+        scene = _scene(lamps=False)
         CpuRenderer(scene, Film(scene, ()), lambda: False, lambda text: None)
 
     return [render_tile], run
+
+
+def _light_paths() -> tuple[list, Callable[[], None]]:
+    """Light paths, their tree, and connections with them."""
+    kernels = [
+        *(kernel for kernel, _ in light_path_code.KERNELS.values()),
+        *(tree.build, tree.place, trace.trace_light_paths, trace.find_pilots, trace.weight_by_visibility),
+    ]
+
+    def run() -> None:
+        scene = _scene()
+        packed = PackedScene(scene, Film(scene, ()))
+        light_paths = LightPaths.of(scene, packed, [Workspace(packed)])
+        assert light_paths is not None
+        light_paths.use(0)
+
+    return kernels, run
 
 
 def _special() -> tuple[list, Callable[[], None]]:
@@ -101,8 +118,6 @@ def _special() -> tuple[list, Callable[[], None]]:
 
     records = BLOCK, WORKSPACE
     kernels = [
-        *(kernel for kernel, _ in light_path_code.KERNELS.values()),
-        *(tree.build, tree.place, trace.trace_light_paths, trace.find_pilots, trace.weight_by_visibility),
         *(kernel for kernel, _ in media_code.KERNELS.values()),
         *subsurface_code.KERNELS.values(),
         *(kernel for _, kernel, _ in output_code.KERNELS.values()),
@@ -120,11 +135,6 @@ def _special() -> tuple[list, Callable[[], None]]:
         subsurface_code.addresses(True, records)
         strand_code.addresses(True, records)
         output_code.compile_all(records)
-        scene = _scene()
-        packed = PackedScene(scene, Film(scene, ()))
-        light_paths = LightPaths.of(scene, packed, [Workspace(packed)])
-        assert light_paths is not None
-        light_paths.use(0)
 
     return kernels, run
 
@@ -132,6 +142,7 @@ def _special() -> tuple[list, Callable[[], None]]:
 GROUPS: dict[str, Callable[[], tuple[list, Callable[[], None]]]] = {
     "paths": _paths,
     "lamps": _lamps,
+    "light_paths": _light_paths,
     "special": _special,
 }
 
