@@ -220,7 +220,8 @@ def test_colors_of_lobes(scene, both, file, add, quad, material, name, distribut
         if key.startswith("Trans") and bpy.app.version < (5, 1, 0):
             continue  # there, the color of refraction ignores roughness
         if key.endswith(("Color", "Col")):
-            np.testing.assert_allclose(ours[key], theirs[key], rtol=0.015, atol=0.003, err_msg=key)
+            limit = 0.01 if bpy.app.version < (5, 0, 0) else 0.005  # conductors had slightly other colors
+            np.testing.assert_allclose(ours[key], theirs[key], rtol=limit, atol=0.001, err_msg=key)
 
 
 @pytest.mark.slow

@@ -32,12 +32,26 @@ def test_a_difference_is_found(low, expected):
 
 def test_figures_of_rows():
     good = {"feature": "a", "pass": "Combined", "error": "", "mean_difference": 0.002, "is_beyond_noise": False}
-    rows = [good, dict(good, mean_difference=0.02), dict(good, feature="b", is_beyond_noise=True)]
+    rows = [good, dict(good, mean_difference=0.02), dict(good, feature="b", block_difference=-0.3, is_beyond_noise=True)]
     rows.append({"feature": "c", "pass": "", "error": "the process ended with code 1"})
     assert features.summary_of(rows) == dict(
         features=3, features_failed=1, features_over_one_percent=2, features_worst_mean_difference=0.02
     )
-    assert [text.partition(":")[0] for text in features.complaints(rows)] == ["a, Combined", "b, Combined", "c"]
+    assert features.complaints(rows) == [
+        "a, Combined: its mean differs by 2 %.",
+        "b, Combined: a part of it differs by 30 %.",
+        "c: the process ended with code 1.",
+    ]
+
+
+def test_a_difference_must_be_there_with_more_samples(monkeypatch):
+    def measured(name, device, samples):
+        few = samples < features.SAMPLES
+        return [{"error": "", "mean_difference": 0.0, "is_beyond_noise": few or name == "b", "samples": samples}]
+
+    monkeypatch.setattr(features, "_measured", measured)
+    quick = argparse.Namespace(quick=True, device="CPU")
+    assert [features.differs(row) for name in "ab" for row in features.measure(name, quick)] == [False, True]
 
 
 def test_unknown_names_are_told():
@@ -51,4 +65,4 @@ def test_means_are_those_of_cycles(name):
     rows = features.measure(name, argparse.Namespace(quick=True, device="CPU"))
     assert rows
     for row in rows:
-        assert row["error"] == "" and (row["mean_difference"] <= features.LIMIT or not features.differs(row)), row
+        assert row["error"] == "" and not features.differs(row), row

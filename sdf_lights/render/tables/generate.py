@@ -15,24 +15,26 @@ import numpy as np
 
 from ...jit import kernel
 from ..kernels.shading import fresnel, microfacet
-from .albedo import SCALE, SHAPES
+from .albedo import CYCLES_SIZE, SCALE, SHAPES
 
 _LOWEST = 1e-4  # of roughness and cosine, which are singular at 0
 _HIGHEST_Z = 0.99  # of the axis of ior, infinite at 1
-_COLUMNS = ("reflection", "glass", "dielectric", "schlick")  # results of _albedos
+_COLUMNS = ("reflection", "glass", "dielectric", "schlick", "cycles_dielectric", "cycles_schlick")  # results of _albedos
+# Cycles' table has reflectances (1 − cosθ)ⁿ for n = 5 / z − 5. The n of Schlick, z = ½, is between two entries.
+_EXPONENTS = tuple(5.0 * (CYCLES_SIZE - 1) / entry - 5.0 for entry in (CYCLES_SIZE // 2 - 1, CYCLES_SIZE // 2))
 _GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
 @kernel
 def _albedos(roughness, cosine, ior, count):
     """Albedos of GGX with microfacets that reflect everything; reflect and refract; reflect as "dielectric" and
-    "schlick" in ``SHAPES``; summed over ``count`` visible normals."""
+    "schlick" in ``SHAPES``; and what Cycles has for the last two; summed over ``count`` visible normals."""
     alpha = roughness * roughness
     alpha2 = alpha * alpha
     wo = (math.sqrt(1.0 - cosine * cosine), 0.0, cosine)
     masking_o = microfacet.masking(alpha2, cosine)
     f0 = fresnel.f0_of_ior(ior)
-    everything, glass, dielectric, schlick = 0.0, 0.0, 0.0, 0.0
+    everything, glass, dielectric, schlick, cycles_dielectric, cycles_schlick = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(count):
         h = microfacet.visible_normal(wo, alpha, alpha, (i * _GOLDEN) % 1.0, (i + 0.5) / count)
         cosine_h = wo[0] * h[0] + wo[2] * h[2]
@@ -44,10 +46,19 @@ def _albedos(roughness, cosine, ior, count):
             dielectric += value * fresnel.remapped(f, f0)
             glass += value * f
             schlick += value * (1.0 - cosine_h) ** 5
+            cycles_dielectric += fresnel.remapped(f, f0)
+            cycles_schlick += 0.5 * ((1.0 - cosine_h) ** _EXPONENTS[0] + (1.0 - cosine_h) ** _EXPONENTS[1])
         down = (cosine_h / ior - cosine_t) * h[2] - cosine / ior
         if cosine_t > 0.0 and down < 0.0:
             glass += (1.0 - f) * (1.0 + masking_o) / (1.0 + masking_o + microfacet.masking(alpha2, down))
-    return everything / count, glass / count, dielectric / count, schlick / count
+    return (
+        everything / count,
+        glass / count,
+        dielectric / count,
+        schlick / count,
+        cycles_dielectric / count,
+        cycles_schlick / count,
+    )
 
 
 def axis(size: int) -> np.ndarray:
@@ -71,13 +82,15 @@ def entry(name: str, index: tuple[int, ...], count: int = 1 << 13) -> float:
     roughness = axis(shape[-1])[index[-1]]
     base = name.removesuffix("_average")
     ior = 1.0
-    if base in ("glass", "glass_inside", "dielectric"):
+    if base in ("glass", "glass_inside", "dielectric", "cycles_dielectric"):
         ior = ior_of_axis(index[0] / (shape[0] - 1))
         if base == "glass_inside":
             ior = 1.0 / ior
     column = _COLUMNS.index(base.removesuffix("_inside"))
     if base == name:
-        return _albedos(roughness, cosine_of_axis(index[-2] / (shape[-2] - 1)), ior, count)[column]
+        place = index[-2] / (shape[-2] - 1)
+        cosine = max(place, _LOWEST) if name.startswith("cycles_") else cosine_of_axis(place)
+        return _albedos(roughness, cosine, ior, count)[column]
     nodes, weights = np.polynomial.legendre.leggauss(64)
     cosines = 0.5 + 0.5 * nodes
     values = [_albedos(roughness, cosine, ior, count >> 3)[column] for cosine in cosines]

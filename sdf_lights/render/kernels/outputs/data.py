@@ -119,11 +119,9 @@ def _microfacet_albedos(block, closure, cosine):
         ), ZERO
     r, t, _ = microfacet.reflectance(closure, cosine)
     if closure.fresnel == FRESNEL_F82:
-        s = energy.schlick_albedo(block, cosine, roughness) / energy.reflection_albedo(block, cosine, roughness)
-        return energy.mixed(f0, 1.0, s), ZERO
+        return energy.mixed(f0, 1.0, energy.cycles_schlick(block, cosine, roughness)), ZERO
     if closure.fresnel == FRESNEL_DIELECTRIC and (closure.ior > 1.0 or not closure.transmits):
-        e = energy.reflection_albedo(block, cosine, roughness)
-        f = energy.mixed(f0, 1.0, energy.dielectric_albedo(block, closure.ior, cosine, roughness) / e)
+        f = energy.mixed(f0, 1.0, energy.cycles_dielectric(block, closure.ior, cosine, roughness))
         r = mul(f, vec(closure.reflection_tint))
         t = mul(sub(_WHITE, f), vec(closure.transmission_tint)) if closure.transmits else ZERO
     return r, t

@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from ....jit import kernel, table
-from ...tables.albedo import OFFSETS, SIZE
+from ...tables.albedo import CYCLES_SIZE, OFFSETS, SIZE
 
 TABLES = {"albedo": np.dtype("f8")}
 _albedo = table("albedo", TABLES["albedo"])
@@ -20,13 +20,14 @@ _REFLECTION, _REFLECTION_AVERAGE = OFFSETS["reflection"], OFFSETS["reflection_av
 _GLASS, _GLASS_AVERAGE = OFFSETS["glass"], OFFSETS["glass_average"]
 _INSIDE, _INSIDE_AVERAGE = OFFSETS["glass_inside"], OFFSETS["glass_inside_average"]
 _DIELECTRIC, _SCHLICK = OFFSETS["dielectric"], OFFSETS["schlick"]
+_CYCLES_DIELECTRIC, _CYCLES_SCHLICK = OFFSETS["cycles_dielectric"], OFFSETS["cycles_schlick"]
 _RELEVANT = 1e-4  # lost energy that is not worth compensating
 
 
 @kernel
-def _cell(x):
-    x = min(max(x, 0.0), 1.0) * (SIZE - 1)
-    i = min(int(x), SIZE - 2)
+def _cell(x, size):
+    x = min(max(x, 0.0), 1.0) * (size - 1)
+    i = min(int(x), size - 2)
     return i, x - i
 
 
@@ -36,18 +37,18 @@ def _line(values, offset, i, t):
 
 
 @kernel
-def _plane(values, offset, x, y):
-    i, s = _cell(x)
-    j, t = _cell(y)
-    low = _line(values, offset + j * SIZE, i, s)
-    return low + t * (_line(values, offset + (j + 1) * SIZE, i, s) - low)
+def _plane(values, offset, x, y, size):
+    i, s = _cell(x, size)
+    j, t = _cell(y, size)
+    low = _line(values, offset + j * size, i, s)
+    return low + t * (_line(values, offset + (j + 1) * size, i, s) - low)
 
 
 @kernel
-def _space(values, offset, x, y, z):
-    k, t = _cell(z)
-    low = _plane(values, offset + k * SIZE * SIZE, x, y)
-    return low + t * (_plane(values, offset + (k + 1) * SIZE * SIZE, x, y) - low)
+def _space(values, offset, x, y, z, size):
+    k, t = _cell(z, size)
+    low = _plane(values, offset + k * size * size, x, y, size)
+    return low + t * (_plane(values, offset + (k + 1) * size * size, x, y, size) - low)
 
 
 @kernel
@@ -79,7 +80,7 @@ def _compensate(closure, e, mean, single):
 def glass_albedo(block, cosine, roughness, ior):
     """Albedo of GGX single scattering that reflects and refracts."""
     offset = _INSIDE if ior < 1.0 else _GLASS
-    return _space(_albedo(block), offset, roughness, _axis_of_cosine(cosine), _axis_of_ior(ior))
+    return _space(_albedo(block), offset, roughness, _axis_of_cosine(cosine), _axis_of_ior(ior), SIZE)
 
 
 @kernel
@@ -87,7 +88,7 @@ def compensate_glass(block, closure, cosine, roughness, single):
     """For a closure that reflects and refracts; ``single`` is the fraction kept when crossing the surface."""
     values = _albedo(block)
     mean = _plane(
-        values, _INSIDE_AVERAGE if closure.ior < 1.0 else _GLASS_AVERAGE, roughness, _axis_of_ior(closure.ior)
+        values, _INSIDE_AVERAGE if closure.ior < 1.0 else _GLASS_AVERAGE, roughness, _axis_of_ior(closure.ior), SIZE
     )
     _compensate(closure, glass_albedo(block, cosine, roughness, closure.ior), mean, single)
 
@@ -95,26 +96,38 @@ def compensate_glass(block, closure, cosine, roughness, single):
 @kernel
 def compensate_reflection(block, closure, e, roughness, single):
     """For a closure that reflects only; ``e`` is ``reflection_albedo``."""
-    i, t = _cell(roughness)
+    i, t = _cell(roughness, SIZE)
     _compensate(closure, e, _line(_albedo(block), _REFLECTION_AVERAGE, i, t), single)
 
 
 @kernel
 def reflection_albedo(block, cosine, roughness):
     """Albedo of GGX single scattering off microfacets that reflect everything."""
-    return _plane(_albedo(block), _REFLECTION, roughness, _axis_of_cosine(cosine))
+    return _plane(_albedo(block), _REFLECTION, roughness, _axis_of_cosine(cosine), SIZE)
 
 
 @kernel
 def dielectric_albedo(block, ior, cosine, roughness):
     """Albedo of GGX single scattering if a microfacet reflects (F − F0) / (1 − F0) of a dielectric."""
-    return _space(_albedo(block), _DIELECTRIC, roughness, _axis_of_cosine(cosine), _axis_of_ior(ior))
+    return _space(_albedo(block), _DIELECTRIC, roughness, _axis_of_cosine(cosine), _axis_of_ior(ior), SIZE)
 
 
 @kernel
 def schlick_albedo(block, cosine, roughness):
     """Albedo of GGX single scattering if a microfacet reflects Schlick's (1 − cosθ)⁵."""
-    return _plane(_albedo(block), _SCHLICK, roughness, _axis_of_cosine(cosine))
+    return _plane(_albedo(block), _SCHLICK, roughness, _axis_of_cosine(cosine), SIZE)
+
+
+@kernel
+def cycles_dielectric(block, ior, cosine, roughness):
+    """What Cycles takes for ``dielectric_albedo`` over ``reflection_albedo``."""
+    return _space(_albedo(block), _CYCLES_DIELECTRIC, roughness, cosine, _axis_of_ior(ior), CYCLES_SIZE)
+
+
+@kernel
+def cycles_schlick(block, cosine, roughness):
+    """What Cycles takes for ``schlick_albedo`` over ``reflection_albedo``."""
+    return _plane(_albedo(block), _CYCLES_SCHLICK, roughness, cosine, CYCLES_SIZE)
 
 
 @kernel
