@@ -32,7 +32,11 @@ def test_a_difference_is_found(low, expected):
 
 def test_figures_of_rows():
     good = {"feature": "a", "pass": "Combined", "error": "", "mean_difference": 0.002, "is_beyond_noise": False}
-    rows = [good, dict(good, mean_difference=0.02), dict(good, feature="b", block_difference=-0.3, is_beyond_noise=True)]
+    rows = [
+        good,
+        dict(good, mean_difference=0.02),
+        dict(good, feature="b", block_difference=-0.3, is_beyond_noise=True),
+    ]
     rows.append({"feature": "c", "pass": "", "error": "the process ended with code 1"})
     assert features.summary_of(rows) == dict(
         features=3, features_failed=1, features_over_one_percent=2, features_worst_mean_difference=0.02

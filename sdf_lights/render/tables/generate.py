@@ -19,7 +19,14 @@ from .albedo import CYCLES_SIZE, SCALE, SHAPES
 
 _LOWEST = 1e-4  # of roughness and cosine, which are singular at 0
 _HIGHEST_Z = 0.99  # of the axis of ior, infinite at 1
-_COLUMNS = ("reflection", "glass", "dielectric", "schlick", "cycles_dielectric", "cycles_schlick")  # results of _albedos
+_COLUMNS = (
+    "reflection",
+    "glass",
+    "dielectric",
+    "schlick",
+    "cycles_dielectric",
+    "cycles_schlick",
+)  # results of _albedos
 # Cycles' table has reflectances (1 − cosθ)ⁿ for n = 5 / z − 5. The n of Schlick, z = ½, is between two entries.
 _EXPONENTS = tuple(5.0 * (CYCLES_SIZE - 1) / entry - 5.0 for entry in (CYCLES_SIZE // 2 - 1, CYCLES_SIZE // 2))
 _GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
