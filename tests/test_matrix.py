@@ -31,8 +31,8 @@ NEWEST = "5.2"
 JOBS = (
     (NEWEST, ("-m", "not slow and not gui and not matrix", *SUITE)),
     ("4.5", ("-m", "not slow and not gui and not matrix", *SUITE)),
-    (NEWEST, ("-m", "slow and not gui and not matrix", NODES)),
     (NEWEST, ("-m", "slow and not gui and not matrix", *SUITE, f"--ignore={NODES}")),
+    (NEWEST, ("-m", "slow and not gui and not matrix", NODES)),
     ("4.5", ("-m", "slow", "-k", "values_are_those_of_cycles", NODES)),
     ("5.1", ("-m", "not gui and not matrix", *FAULTS, "-k", "not five_hundred_steps and not (killed_process and CPU)")),
     ("5.0", ("-m", "slow and not gui and not matrix", *FAULTS, "-k", "not five_hundred_steps and not killed_process")),
