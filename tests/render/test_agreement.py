@@ -57,8 +57,8 @@ QUICK = (
 )
 
 # Of a rolling shutter the reference builds the scene anew for each line of each sample. It integrates the volume of
-# each shape that a lamp has while the shutter is open, and finds the crossings of data in small steps.
-COSTLY = ("rolling", "changing_lamps", "network_lamp", "data_lamps", "colored_lamps")
+# each shape that a lamp has while the shutter is open, and follows rays through networks in small steps.
+COSTLY = ("rolling", "changing_lamps", "network_lamp")
 
 
 def pictures(renderer, name: str, samples: int, passes: tuple[str, ...] = PASSES) -> dict[str, np.ndarray]:

@@ -42,6 +42,10 @@ class Spans(NamedTuple):
         return self.total(np.maximum(part, 0.0), len(start))
 
 
+KEPT = 16  # shapes whose columns are kept for the next render, 4 MB each
+_known_columns: dict[tuple[object, int], Spans] = {}  # by shape and side
+
+
 class SdfLamp:
     """A lamp of the scene as an emitter. Raises ValueError if it cannot emit: flattened, or not finite."""
 
@@ -94,7 +98,13 @@ class SdfLamp:
         u = (np.mgrid[0:side, 0:side].reshape(2, -1).T + rng.random((side * side, 2))) / side
         origins = self._low + np.concatenate([u, np.full((len(u), 1), -0.5)], 1) * (self._high - self._low)
         directions = np.broadcast_to([0.0, 0.0, 1.0], origins.shape)
-        return self._local_spans(origins, directions), origins, directions
+        key = self.lamp.shape, side
+        spans = _known_columns.get(key)
+        if spans is None:
+            while len(_known_columns) >= KEPT:
+                _known_columns.pop(next(iter(_known_columns)), None)
+            spans = _known_columns[key] = self._local_spans(origins, directions)
+        return spans, origins, directions
 
     def _mean_emission(self, side: int = 200) -> np.ndarray:
         """Mean (3,) of the relative emission over the volume."""
