@@ -25,7 +25,7 @@ from sdf_lights.render.cpu import background
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
 PROGRAM = "sdf_lights.render.cpu.precompile"
-GROUPS = ("paths", "lamps", "light_paths", "special")  # of that program: one process each
+GROUPS = sum(background.PROCESSES, ())  # of that program: one process each
 KEPT = "*/*/*.kernel"
 
 

@@ -25,8 +25,8 @@ from ... import kernel_cache, kernel_code
 from . import priority
 
 PACKAGE = pathlib.Path(__file__).resolve().parents[2]
-# Groups of ``precompile``, by process: those that a picture waits for, and all. Light paths are among the first, as
-# else most pictures with lamps would compile them, on one core.
+# Groups of ``precompile``, by process: those that a picture waits for, and all. A picture waits for light paths too:
+# most pictures with lamps use them, and would otherwise compile them on one core.
 NEEDED = ("paths",), ("lamps", "light_paths")
 PROCESSES = NEEDED[0], (*NEEDED[1], "special")
 POLL_SECONDS = 0.05
