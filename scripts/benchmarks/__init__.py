@@ -39,6 +39,7 @@ NAMES = (
     "scenes",
     "allocation",
     "indirect",
+    "revisions",
     "trust",
     "hard",
     "check",
