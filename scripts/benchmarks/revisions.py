@@ -3,8 +3,8 @@
 """This checkout beside an older revision of it: start-up, compilation and samples a second, in turns.
 
 All times are processor times of a whole process. The start is that from its launch to a first picture of 64 × 36 pixels
-and one sample. Compilation is what that takes longer with empty caches. Rates are of renders with the same work in both:
-paths do not split, and all pixels have as many samples. The file with lamps is saved by the older revision.
+and one sample. Compilation is what that takes longer with empty caches. Rates are of renders with the same work in
+both: paths do not split, and all pixels have as many samples. The file with lamps is saved by the older revision.
 """
 
 from __future__ import annotations

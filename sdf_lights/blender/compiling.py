@@ -12,6 +12,7 @@ from ..render.cpu import background
 
 BEGIN_SECONDS = 0.5  # after the add-on is enabled, so that Blender's window is there first
 SHOW_SECONDS = 5.0  # from one redraw to the next, each of which takes 50 ms in a window that the processor draws
+PAUSE_SECONDS = 0.1  # of compilation while the window redraws; a timer waits for the end of a redraw
 
 
 def short() -> str:
@@ -52,7 +53,9 @@ def _show() -> float | None:
     text = short()
     if text != _shown[0]:
         _shown[0] = text
+        background.pause()
         _redraw()
+        bpy.app.timers.register(background.proceed, first_interval=PAUSE_SECONDS, persistent=True)
     return SHOW_SECONDS if background.running() or any(each.is_alive() for each in _starting) else None
 
 

@@ -109,9 +109,16 @@ class _Process:
             self._hurries = False
         self._watched = None
 
+    def pause(self) -> None:
+        priority.pause(self._process.pid)
+
+    def proceed(self) -> None:
+        priority.proceed(self._process.pid)
+
     def stop(self) -> None:
         with contextlib.suppress(OSError):
             self._process.terminate()
+        self.proceed()  # a process that pauses ends only then
 
 
 _processes: list[_Process] = []
@@ -168,6 +175,18 @@ def start(low: bool = True, processes: tuple[tuple[str, ...], ...] = PROCESSES) 
         stop()
 
 
+def pause() -> None:
+    """Stop the processes until ``proceed``: a window that the processor draws is drawn sooner without them."""
+    for process in list(_processes):
+        process.pause()
+
+
+def proceed() -> None:
+    """Let the processes go on."""
+    for process in list(_processes):
+        process.proceed()
+
+
 def stop() -> None:
     """End the running processes."""
     for process in _processes:
@@ -202,6 +221,7 @@ def wait(check: Callable[[], None]) -> None:
     """Return when everything for a picture is ready, or when nothing compiles it. ``check`` may raise, to end the
     wait."""
     try:
+        proceed()
         while needed := [process for process in list(_processes) if process.is_needed]:
             check()
             for process in needed:

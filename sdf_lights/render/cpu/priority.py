@@ -7,6 +7,7 @@ from __future__ import annotations
 import contextlib
 import os
 import pathlib
+import signal
 import sys
 
 _LOWEST_NICE = 19
@@ -50,6 +51,22 @@ def restore(process: int) -> bool:
     except OSError:
         return False
     return True
+
+
+def pause(process: int) -> None:
+    """Stop a process until ``proceed``. Windows has no call for it."""
+    _send(process, "SIGSTOP")
+
+
+def proceed(process: int) -> None:
+    """Let a process go on."""
+    _send(process, "SIGCONT")
+
+
+def _send(process: int, name: str) -> None:
+    if hasattr(signal, name):
+        with contextlib.suppress(OSError):  # it may have ended
+            os.kill(process, getattr(signal, name))
 
 
 def _set_class(process: int, number: int) -> bool:

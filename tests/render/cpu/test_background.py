@@ -114,6 +114,42 @@ def test_what_a_render_waits_for_is_as_urgent_as_the_session(package):
     assert schedulers() == {os.SCHED_IDLE}
 
 
+def states() -> set[str]:
+    """Of running processes: T for those that are stopped (proc(5))."""
+    return {
+        pathlib.Path(f"/proc/{process._process.pid}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()[0]
+        for process in background._processes
+        if process.running
+    }
+
+
+@on_linux
+def test_processes_pause_and_a_render_lets_them_go_on(package):
+    package()
+    background.start()
+    background.pause()
+    time.sleep(0.2)  # a line may be on its way
+    paused = background.progress()
+    time.sleep(0.5)
+    assert background.progress() == paused and states() == {"T"}
+    background.proceed()
+    assert "T" not in states()
+    background.pause()
+    background.wait(lambda: None)
+    until_it_ends()
+    assert background.progress() == (4, 4)
+
+
+@on_linux
+def test_a_paused_process_ends_with_the_session(package):
+    package("time.sleep(60)")
+    background.start()
+    background.pause()
+    processes = [process._process for process in background._processes]
+    background.stop()
+    assert all(process.wait(timeout=10.0) for process in processes)
+
+
 @pytest.fixture
 def ordinary():
     """This thread without root's right to raise a priority (capabilities(7), CAP_SYS_NICE)."""
