@@ -25,7 +25,7 @@ PLAIN = dict(
     filter_width=1.0,
     indirect_paths=1,
     guided_samples=False,
-    lamp_paths="OFF",
+    lamp_paths="NEVER",
     filter_glossy=0.0,
 )
 
