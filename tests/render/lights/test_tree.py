@@ -14,7 +14,7 @@ from sdf_lights.render.lights.area import AreaLight
 from sdf_lights.render.lights.point import PointLight, SpotLight
 from sdf_lights.render.lights.sun import SunLight
 from sdf_lights.render.scene import World
-from tests.render.lights.harness import NONE, UP, Packed, place, scene_of
+from tests.render.lights.harness import NONE, UP, Packed, irradiance, place, scene_of
 
 
 def crowd(count, seed=3, **fields):
@@ -188,3 +188,24 @@ def test_cost_of_a_choice_grows_with_the_logarithm_of_the_count():
     print({count: f"{ns:.0f} ns" for count, ns in cost.items()})
     # Depths are as 1.7 to 1; what is more are nodes that a core's caches do not hold. A scan would be as 100 to 1.
     assert cost[100_000] < 10.0 * cost[1000]
+
+
+def test_a_long_strip_among_many_emitters_hides_none_of_them():
+    """It lies across all of them, as a line on a floor does; without it being apart, lamps in its node looked dim."""
+    small = triangle_soup(2000)
+    low, high = np.array((-0.1, -200.0, 0.0)), np.array((0.1, 200.0, 0.0))
+    strip = np.array([[low, (0.1, -200.0, 0.0), high], [low, high, (-0.1, 200.0, 0.0)]])
+    triangles = Triangles(
+        np.zeros(2002, np.int32),
+        np.arange(2002, dtype=np.int32),
+        np.concatenate((small.corners + (0.0, 0.0, 20.0), strip)),
+        np.concatenate((small.radiance, np.ones((2, 3)))),
+        np.zeros(2002, bool),
+    )
+    powers = 1000.0, 2000.0
+    lamps = [PointLight("", place(x, -x, 3.0), power) for x, power in zip((-4.0, 4.0), powers)]
+    packed = Packed(scene_of(*lamps), triangles=triangles)
+    for x in ((1.0, 2.0, 0.1), (-3.0, -2.0, 0.1), (4.0, 3.0, 0.1)):
+        found = packed.probabilities(x, UP, 2)
+        lit = [irradiance(packed, lamp, x, UP, 1) for lamp in range(2)]
+        assert (found > 0.5 * np.array(lit) / sum(lit)).all(), (x, found, lit)

@@ -6,6 +6,9 @@ Conty Estevez and Kulla 2018, "Importance sampling of many lights with adaptive 
 tree over all emitters of finite extent. A node has the sum of their intensities, its mean position and the variance of
 that, and bounds their directions of emission by a cone. Clusters are split where the metric of Walter et al. 2005,
 "Lightcuts" (intensity × squared extent of positions and axes), is least.
+
+Emitters that are larger than the whole cluster, by the positions of their middles, become one child of it. Among small
+emitters, one long strip would make the mean position and the variance of every node above it meaningless.
 """
 
 from __future__ import annotations
@@ -127,7 +130,8 @@ def build_tree(bounds: Bounds) -> Tree:
 
 
 def _split(items, sizes, low, high, middle, intensity) -> tuple[np.ndarray, np.ndarray]:
-    """Order the items of every cluster along its longest axis. Returns how many of them go to the first child."""
+    """Order the items of every cluster along its longest axis, those that are larger than it last. Returns how many of
+    them go to the first child."""
     starts = np.cumsum(sizes) - sizes
     cluster = np.repeat(np.arange(len(sizes)), sizes)
     places = middle[items]
@@ -141,10 +145,14 @@ def _split(items, sizes, low, high, middle, intensity) -> tuple[np.ndarray, np.n
     # One sort for all clusters: the cluster before the point, and the position in it after.
     along = places[np.arange(len(items)), longest[cluster]] - offset[cluster]
     along /= np.where(span > 0.0, 2.0 * span, 1.0)[cluster]
+    huge = np.sum((high - low)[items, :3] ** 2, axis=1) > np.sum(extent[:, :3] ** 2, axis=1)[cluster]
+    of_them = np.add.reduceat(huge.astype(np.int64), starts)
+    mixed = (of_them > 0) & (of_them < sizes)
+    along = np.where(mixed[cluster], 0.5 * along + 0.5 * huge, along)
     items = items[np.argsort(cluster + along, kind="stable")]
 
-    left = sizes // 2
-    large = np.flatnonzero(sizes >= 2 * CANDIDATES)
+    left = np.where(mixed, sizes - of_them, sizes // 2)
+    large = np.flatnonzero((sizes >= 2 * CANDIDATES) & ~mixed)
     if len(large):
         cuts = starts[large, None] + sizes[large, None] * np.arange(CANDIDATES) // CANDIDATES
         ends = np.empty(2 * len(large), np.int64)
