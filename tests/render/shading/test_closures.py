@@ -195,6 +195,17 @@ def test_a_layer_that_loses_energy_hides_as_much_as_one_that_does_not():
     assert 1.0 - weights[1] == pytest.approx(0.09, abs=0.01)
 
 
+@pytest.mark.parametrize("roughness", [0.0, 0.05, 0.3])
+@pytest.mark.parametrize("cosine", [0.8, 0.97, 1.0])
+def test_black_metal_seen_from_above_is_drawn_with_finite_weights(roughness, cosine):
+    """It reflects light at grazing angles alone: nothing, or almost nothing, from above."""
+    surface = Surface(principled(base_color=(0.0, 0.0, 0.0), metallic=1.0, roughness=roughness)).shade(cosine)
+    assert surface.closures["pick"] == pytest.approx([1.0])
+    u = np.random.default_rng(3).random((1000, 3))
+    _, value, pdf, _ = surface.draw(u)
+    assert np.isfinite(value).all() and np.isfinite(pdf).all()
+
+
 def test_nothing_black_or_not_finite_makes_a_closure():
     for color in ((0.0, 0.0, 0.0), (float("nan"),) * 3):
         surface = Surface(Node("diffuse", {"color": color})).shade(0.5)
