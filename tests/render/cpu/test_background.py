@@ -47,11 +47,16 @@ def package(tmp_path, monkeypatch):
     background.stop()
 
 
-def until_it_ends() -> None:
+def until(holds) -> None:
+    """Wait until a condition holds."""
     limit = time.monotonic() + 30.0
-    while background.running() and time.monotonic() < limit:
+    while not holds() and time.monotonic() < limit:
         time.sleep(0.02)
-    assert not background.running()
+    assert holds()
+
+
+def until_it_ends() -> None:
+    until(lambda: not background.running())
 
 
 def test_what_is_needed_is_waited_for_and_all_is_remembered(package):
@@ -128,12 +133,13 @@ def test_processes_pause_and_a_render_lets_them_go_on(package):
     package()
     background.start()
     background.pause()
+    until(lambda: states() == {"T"})  # each stops when it has its next turn on a processor
     time.sleep(0.2)  # a line may be on its way
     paused = background.progress()
     time.sleep(0.5)
     assert background.progress() == paused and states() == {"T"}
     background.proceed()
-    assert "T" not in states()
+    until(lambda: "T" not in states())
     background.pause()
     background.wait(lambda: None)
     until_it_ends()
