@@ -15,6 +15,8 @@ import subprocess
 import sys
 import tempfile
 
+import host
+
 REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
 DISTANCE = 2.6  # metres to the camera, whose direction is that of the start-up scene
 
@@ -70,13 +72,10 @@ def main(arguments: list[str]) -> None:
     names = options.presets.split(",")
     with tempfile.TemporaryDirectory() as place:
         before, after, checkout = (pathlib.Path(place) / name for name in ("before", "after", "checkout"))
-        subprocess.run(["git", "-C", REPOSITORY, "worktree", "add", "--detach", checkout, options.revision], check=True)
-        try:
+        with host.checkout_of(options.revision, checkout):
             for folder, program in ((before, checkout), (after, REPOSITORY)):
                 folder.mkdir()
                 rendered(program, folder, options)
-        finally:
-            subprocess.run(["git", "-C", REPOSITORY, "worktree", "remove", "--force", checkout], check=True)
         pictures = tuple(f"{folder.name}/{name}" for folder in (before, after) for name in names)
         write_strip(pathlib.Path(place), pictures, options.out, len(names), options.size * len(names))
 

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import importlib.util
 import os
@@ -23,6 +24,17 @@ ENGINE = "SDF_LIGHTS"
 
 
 NO_WINDOW = "no Blender with a window: put blender on the path, or set SDF_LIGHTS_BLENDER to its command"
+
+
+@contextlib.contextmanager
+def checkout_of(revision: str, folder: pathlib.Path):
+    """A checkout of another revision of this repository in a new ``folder``, for as long as the context lasts."""
+    git = ["git", "-C", REPOSITORY, "worktree"]
+    subprocess.run([*git, "add", "--quiet", "--detach", folder, revision], check=True)
+    try:
+        yield folder
+    finally:
+        subprocess.run([*git, "remove", "--force", folder], check=True)
 
 
 def blender_command() -> list[str] | None:

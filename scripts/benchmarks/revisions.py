@@ -72,10 +72,7 @@ def run(options) -> tuple[dict, list[dict]]:
     found: dict[tuple, list[dict]] = {}
     with tempfile.TemporaryDirectory(dir=work_folder()) as name:
         folder = pathlib.Path(name)
-        older = folder / "before"
-        git = ["git", "-C", host.REPOSITORY, "worktree"]
-        subprocess.run([*git, "add", "--quiet", "--detach", older, options.before], check=True)
-        try:
+        with host.checkout_of(options.before, folder / "older") as older:
             checkouts = dict(before=older, now=host.REPOSITORY)
             for scene in SCENES:
                 blend = folder / f"{scene}.blend"
@@ -88,8 +85,6 @@ def run(options) -> tuple[dict, list[dict]]:
                         found.setdefault((scene, which), []).append(_measure(checkout, blend, cache, options))
                     progress.step()
                     progress.show(f"{scene} {turn + 1}")
-        finally:
-            subprocess.run([*git, "remove", "--force", older], check=True)
     progress.close()
     median = {
         (*key, what): statistics.median(one[what] for one in each[1:])

@@ -12,7 +12,7 @@ from ..render.cpu import background
 
 BEGIN_SECONDS = 0.5  # after the add-on is enabled, so that Blender's window is there first
 SHOW_SECONDS = 5.0  # from one redraw to the next, each of which takes 50 ms in a window that the processor draws
-PAUSE_SECONDS = 0.1  # of compilation while the window redraws; a timer waits for the end of a redraw
+PAUSE_SECONDS = 0.1  # compilation pauses for at least so long, and until the window has been redrawn
 
 
 def short() -> str:
@@ -82,7 +82,7 @@ def register():
 
 def unregister():
     background.stop()
-    for timer in (_begin, _show):
+    for timer in (_begin, _show, background.proceed):
         if bpy.app.timers.is_registered(timer):
             bpy.app.timers.unregister(timer)
     bpy.types.STATUSBAR_HT_header.remove(_draw_status)

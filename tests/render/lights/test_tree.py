@@ -191,7 +191,7 @@ def test_cost_of_a_choice_grows_with_the_logarithm_of_the_count():
 
 
 def test_a_long_strip_among_many_emitters_hides_none_of_them():
-    """It lies across all of them, as a line on a floor does; without it being apart, lamps in its node looked dim."""
+    """As a bright line on a floor does, it reaches far beyond all others, and its node must not contain them."""
     small = triangle_soup(2000)
     low, high = np.array((-0.1, -200.0, 0.0)), np.array((0.1, 200.0, 0.0))
     strip = np.array([[low, (0.1, -200.0, 0.0), high], [low, high, (-0.1, 200.0, 0.0)]])

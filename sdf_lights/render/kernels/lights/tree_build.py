@@ -22,9 +22,9 @@ from .records import NODE
 # An axis of emission spans up to 2. This factor makes opposite axes half as far apart as the ends of the cluster's box.
 AXIS_SCALE = 0.25
 CANDIDATES = 8
+BRIGHTEST = 1e28  # maximum intensity of an emitter, so that sums of billions fit into single precision
 # Variance along an axis of an emitter's light, relative to the square of half its box: that of a shell slightly thicker
 # than a ball.
-BRIGHTEST = 1e28  # maximum intensity of an emitter, so that sums of billions fit into single precision
 SPREAD = 0.25
 
 
@@ -90,6 +90,7 @@ def build_tree(bounds: Bounds) -> Tree:
     low = np.concatenate((bounds.lo, np.where(bounds.cos_o[:, None] > -1.0, bounds.axis, 0.0)), axis=1)
     high = np.concatenate((bounds.hi, low[:, 3:]), axis=1)
     middle = 0.5 * (low + high)
+    square = np.sum((bounds.hi - bounds.lo) ** 2, axis=1)  # of the diagonals of the boxes
 
     items, sizes = np.arange(count), np.array([count])
     levels, first = [], 0
@@ -107,7 +108,7 @@ def build_tree(bounds: Bounds) -> Tree:
         levels.append((ids[is_leaf], members, inner))
         if not len(items):
             break
-        items, left = _split(items, inner_sizes, low, high, middle, bounds.intensity)
+        items, left = _split(items, inner_sizes, low, high, middle, square, bounds.intensity)
         children = first + 2 * np.arange(len(inner))
         nodes["child"][inner] = children
         sizes = np.stack((left, inner_sizes - left), axis=1).ravel()
@@ -129,7 +130,7 @@ def build_tree(bounds: Bounds) -> Tree:
     return tree
 
 
-def _split(items, sizes, low, high, middle, intensity) -> tuple[np.ndarray, np.ndarray]:
+def _split(items, sizes, low, high, middle, square, intensity) -> tuple[np.ndarray, np.ndarray]:
     """Order the items of every cluster along its longest axis, those that are larger than it last. Returns how many of
     them go to the first child."""
     starts = np.cumsum(sizes) - sizes
@@ -145,14 +146,14 @@ def _split(items, sizes, low, high, middle, intensity) -> tuple[np.ndarray, np.n
     # One sort for all clusters: the cluster before the point, and the position in it after.
     along = places[np.arange(len(items)), longest[cluster]] - offset[cluster]
     along /= np.where(span > 0.0, 2.0 * span, 1.0)[cluster]
-    huge = np.sum((high - low)[items, :3] ** 2, axis=1) > np.sum(extent[:, :3] ** 2, axis=1)[cluster]
-    of_them = np.add.reduceat(huge.astype(np.int64), starts)
-    mixed = (of_them > 0) & (of_them < sizes)
-    along = np.where(mixed[cluster], 0.5 * along + 0.5 * huge, along)
+    is_large = square[items] > np.sum(extent[:, :3] ** 2, axis=1)[cluster]
+    large_ones = np.add.reduceat(is_large.astype(np.int64), starts)
+    mixed = (large_ones > 0) & (large_ones < sizes)
+    along = np.where(mixed[cluster], 0.5 * along + 0.5 * is_large, along)
     items = items[np.argsort(cluster + along, kind="stable")]
 
-    left = np.where(mixed, sizes - of_them, sizes // 2)
-    large = np.flatnonzero((sizes >= 2 * CANDIDATES) & ~mixed)
+    left = np.where(mixed, sizes - large_ones, sizes // 2)
+    large = np.flatnonzero((sizes >= 2 * CANDIDATES) & ~mixed)  # clusters
     if len(large):
         cuts = starts[large, None] + sizes[large, None] * np.arange(CANDIDATES) // CANDIDATES
         ends = np.empty(2 * len(large), np.int64)

@@ -77,7 +77,7 @@ def begin(workspace, weight, n):
 def finish(workspace, index, albedo):
     """Count closure ``index``, whose directional albedo with its weight is about ``albedo`` (RGB)."""
     surface, closure = surface_table(workspace)[0], closure_table(workspace)[index]
-    closure.pick = max(average(albedo), NEGLIGIBLE)  # tables of albedos have values a little too low
+    closure.pick = max(average(albedo), NEGLIGIBLE)  # never 0, for their sum divides them
     surface.pick_total += closure.pick
     surface.closure_count += 1
     if closure.singular == 0:
