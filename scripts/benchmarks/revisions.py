@@ -57,7 +57,7 @@ def _run(command: list, environment: dict) -> None:
 
 
 def _measure(checkout: pathlib.Path, blend: pathlib.Path, cache: pathlib.Path, options) -> dict:
-    size, few, many = (64, 1, 9) if options.quick else (256, 8, 72)
+    size, few, many = (128, 8, 40) if options.quick else (256, 8, 72)
     answer = cache / "answer.json"
     environment = {**installed(cache), "PYTHONPATH": ""}
     _run([SESSION, checkout, blend, *map(str, (size, few, many)), answer], environment)
