@@ -34,6 +34,8 @@ from sdf_lights.blender.properties import PRIMITIVES
 from support import openexr
 
 POINTS = np.random.default_rng(1).uniform(-1.0, 1.0, (10, 3))
+# Means of their renders then have a standard deviation of 0.2 % at most.
+SAMPLES = 256
 IN_NODES = ("lantern", "campfire", "snowflake")
 PLAIN = ("BOOLEAN", "INT", "FLOAT", "STRING", "ENUM")
 
@@ -233,7 +235,10 @@ def build_scenes() -> None:
 
 
 def means(scene: bpy.types.Scene) -> dict:
-    """The mean of Combined of each view layer, (3,), of a render of a scene."""
+    """The mean of Combined of each view layer, (3,), of a render of a scene with ``SAMPLES`` samples."""
+    scene.sdf_lights.samples = SAMPLES
+    for layer in scene.view_layers:
+        layer.samples = 0
     settings = scene.render.image_settings
     if hasattr(settings, "media_type"):  # new in 5.0
         settings.media_type = "MULTI_LAYER_IMAGE"
