@@ -10,11 +10,14 @@ bpy = pytest.importorskip("bpy")
 from benchmarks import lamp_scenes, lamps, pictures, simple_scenes  # noqa: E402
 from benchmarks.methods import Method  # noqa: E402
 
+# Seconds of Blender's Boolean, marching of tetrahedra and networks. The slow test below renders them.
+COSTLY = "S3", "spring", "rabbit", "corridor_network"
+
 
 def test_each_lamp_has_its_volume():
     for name, about in lamp_scenes.SCENES.items():
-        if name == "S3":
-            continue  # Blender's Boolean takes a second
+        if name in COSTLY:
+            continue
         about.build(16)
         lamp_scenes.show(volumes=False)
         lamps = bpy.data.collections[lamp_scenes.LAMPS].objects

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
 
 import numpy as np
@@ -19,7 +20,8 @@ from .voxels import mesh_grid
 FUNCTIONS = OUTLINE, TUBE, TUBE_ALONG, GRID, NETWORK, TEXTURE
 
 
-def simplest() -> list[Shape]:
+@functools.cache
+def simplest() -> tuple[Shape, ...]:
     """Two squares that cross, a rod, a box without a lid, and the network that the add-on has."""
     square = np.array([[-0.3, -0.3], [0.3, -0.3], [0.3, 0.3], [-0.3, 0.3]])
     outline = Outline.of([square, square + 0.1])
@@ -29,4 +31,4 @@ def simplest() -> list[Shape]:
     sides = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4)]
     faces = np.array([triangle for a, b, c, d in sides for triangle in ((a, b, c), (a, c, d))])
     sign = SHAPES["extrusion"](outline, 0.2, 0.01)  # type: ignore[call-arg]
-    return [sign, rod, mesh_grid(corners, faces, fineness=8), read(EXAMPLE).shape()]
+    return sign, rod, mesh_grid(corners, faces, fineness=8), read(EXAMPLE).shape()

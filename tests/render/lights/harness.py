@@ -46,19 +46,19 @@ class Packed:
             fill_table(self.blocks, name, array)
 
     def sample(self, emitter, x, u, n=NONE, dark=False):
-        """(wi, distance, radiance, pdf, singular) as arrays; wi is NaN where the sample carries no light, unless
-        ``dark`` keeps directions of radiance 0."""
+        """(wi, distance, radiance, pdf, singular) as arrays, from one point x or a point for each of ``u``; wi is NaN
+        where the sample carries no light, unless ``dark`` keeps directions of radiance 0."""
         wi, radiance = np.empty((len(u), 3)), np.empty((len(u), 3))
         distance, pdf, singular = np.empty(len(u)), np.empty(len(u)), np.empty(len(u), bool)
-        _sample(self.blocks, emitter, tuple(map(float, x)), n, u, wi, distance, radiance, pdf, singular)
+        _sample(self.blocks, emitter, _each(x, len(u)), n, u, wi, distance, radiance, pdf, singular)
         wi[~(pdf > 0.0) | ~((radiance.max(axis=1) > 0.0) | dark)] = np.nan
         return wi, distance, radiance, pdf, singular
 
     def hits(self, emitter, x, d, t_max=np.inf, kind=int(Ray.ALL)):
-        """(distance, radiance, pdf) of the rays x + t d at one light, zero where they miss it."""
+        """(distance, radiance, pdf) of the rays x + t d at one light, zero where they miss it; x as for ``sample``."""
         out = np.zeros((len(d), 5))
         rows = np.zeros(lights.hit_capacity(self.tables), lights.HIT)
-        _hits(self.blocks, emitter, tuple(map(float, x)), np.ascontiguousarray(d), t_max, kind, rows, out)
+        _hits(self.blocks, emitter, _each(x, len(d)), np.ascontiguousarray(d), t_max, kind, rows, out)
         return out[:, 0], out[:, 1:4], out[:, 4]
 
     def leave(self, emitter, u):
@@ -85,6 +85,10 @@ class Packed:
         return radiance, pdf
 
 
+def _each(x, count):
+    return np.ascontiguousarray(np.broadcast_to(np.asarray(x, float), (count, 3)))
+
+
 def grid(side):
     """Midpoints of side² equal squares."""
     u = (np.arange(side) + 0.5) / side
@@ -103,7 +107,8 @@ def irradiance(packed, emitter, x, n, side=256):
 @kernel
 def _sample(blocks, emitter, x, n, u, wi, distance, radiance, pdf, singular):
     for i in range(len(u)):
-        w, distance[i], r, pdf[i], singular[i] = lights.sample_light(blocks[0], emitter, x, n, u[i, 0], u[i, 1])
+        at = (x[i, 0], x[i, 1], x[i, 2])
+        w, distance[i], r, pdf[i], singular[i] = lights.sample_light(blocks[0], emitter, at, n, u[i, 0], u[i, 1])
         wi[i, 0], wi[i, 1], wi[i, 2] = w
         radiance[i, 0], radiance[i, 1], radiance[i, 2] = r
 
@@ -111,7 +116,8 @@ def _sample(blocks, emitter, x, n, u, wi, distance, radiance, pdf, singular):
 @kernel
 def _hits(blocks, emitter, x, d, t_max, kind, rows, out):
     for i in range(len(d)):
-        for j in range(lights.light_hits(blocks[0], 0, x, (d[i, 0], d[i, 1], d[i, 2]), t_max, kind, rows)):
+        at, direction = (x[i, 0], x[i, 1], x[i, 2]), (d[i, 0], d[i, 1], d[i, 2])
+        for j in range(lights.light_hits(blocks[0], 0, at, direction, t_max, kind, rows)):
             if rows[j].emitter == emitter:
                 out[i, 0], out[i, 4] = rows[j].distance, rows[j].pdf
                 out[i, 1], out[i, 2], out[i, 3] = rows[j].radiance[0], rows[j].radiance[1], rows[j].radiance[2]

@@ -26,7 +26,7 @@ LIGHTS = {
     "beam": (AreaLight("", place(), 10.0, size=(0.8, 0.6), spread=0.0), -0.4),
 }
 CELLS, EXTENT = 4, 0.6  # cells along each side of a square, and half its side
-RAYS, POINTS = 1 << 18, 256
+RAYS, POINTS, RAYS_OF_A_POINT = 1 << 18, 256, 64
 
 
 def arriving(packed, height: float, rng) -> np.ndarray:
@@ -38,11 +38,9 @@ def arriving(packed, height: float, rng) -> np.ndarray:
     cell = np.floor((position[:, :2] / EXTENT + 1.0) * 0.5 * CELLS).astype(int)
     chosen = (direction[:, 2] < 0.0) & (t > 0.0) & (t <= reach) & ((cell >= 0) & (cell < CELLS)).all(axis=1)
     chosen &= flux[:, 0] > 0.0
-    for ray in np.flatnonzero(chosen):
-        x, back = position[ray], -direction[ray]
-        singular = packed.sample(0, x, np.full((1, 2), 0.5), UP)[4][0]
-        if not singular:
-            chosen[ray] = packed.hits(0, x, back[None])[0][0] > 0.0
+    x = position[chosen]
+    singular = packed.sample(0, x, np.full((len(x), 2), 0.5), UP)[4]
+    chosen[chosen] = singular | (packed.hits(0, x, -direction[chosen])[0] > 0.0)
     found = np.zeros((CELLS, CELLS, 2))
     for x in range(CELLS):
         for y in range(CELLS):
@@ -57,13 +55,13 @@ def expected(packed, height: float, rng) -> np.ndarray:
     side = 2.0 * EXTENT / CELLS
     for x in range(CELLS):
         for y in range(CELLS):
-            values = []
-            for u, v in rng.random((POINTS, 2)):
-                at = ((x + u) * side - EXTENT, (y + v) * side - EXTENT, height)
-                wi, _, radiance, pdf, _ = packed.sample(0, at, rng.random((64, 2)), UP)
-                lit = np.isfinite(wi[:, 0])
-                values.append((radiance[lit, 0] * np.maximum(wi[lit, 2], 0.0) / pdf[lit]).sum() / len(wi))
-            found[x, y] = np.mean(values) * side**2, np.std(values) / np.sqrt(POINTS) * side**2
+            corner = (x * side - EXTENT, y * side - EXTENT, height)
+            at = np.repeat(corner + rng.random((POINTS, 3)) * (side, side, 0.0), RAYS_OF_A_POINT, axis=0)
+            wi, _, radiance, pdf, _ = packed.sample(0, at, rng.random((len(at), 2)), UP)
+            lit, values = np.isfinite(wi[:, 0]), np.zeros(len(at))
+            values[lit] = radiance[lit, 0] * np.maximum(wi[lit, 2], 0.0) / pdf[lit]
+            values = values.reshape(POINTS, -1).mean(axis=1)
+            found[x, y] = values.mean() * side**2, values.std() / np.sqrt(POINTS) * side**2
     return found
 
 
