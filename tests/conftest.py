@@ -5,9 +5,15 @@
 import importlib
 import os
 import pathlib
+import subprocess
 import sys
 
 import pytest
+
+try:
+    import fcntl
+except ImportError:  # Windows
+    fcntl = None
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
 
@@ -27,10 +33,18 @@ os.environ.setdefault("SDF_LIGHTS_CACHE", str(REPOSITORY / "build" / "kernels"))
 
 @pytest.fixture(scope="session")
 def blender_command() -> list[str]:
-    """Command that opens a Blender with a window; arguments follow it. The test is skipped where there is none."""
+    """Command that opens a Blender with a window; arguments follow it. The test is skipped where there is none. Its
+    kernels are compiled: two processes of tests would otherwise compile the same ones at once."""
     command = host.windowed_blender()
     if command is None:
         pytest.skip(host.NO_WINDOW)
+    session = REPOSITORY / "tests" / "blender" / "kernels_session.py"
+    cache = pathlib.Path(os.environ["SDF_LIGHTS_CACHE"])
+    cache.mkdir(parents=True, exist_ok=True)
+    with (cache / "compiling.lock").open("w") as lock:
+        if fcntl is not None:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+        subprocess.run([*command, "--background", "--factory-startup", "--python", session], check=True, timeout=900)
     return command
 
 
