@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""This checkout beside an older revision of it: start-up, compilation and samples a second, in turns.
+"""This checkout, or another revision, beside an older one: start-up, compilation and samples a second, in turns.
 
 All times are processor times of a whole process. The start is that from its launch to a first picture of 64 × 36 pixels
 and one sample. Compilation is what that takes longer with empty caches. Rates are of renders with the same work in
@@ -9,6 +9,7 @@ both: paths do not split, and all pixels have as many samples. The file with lam
 
 from __future__ import annotations
 
+import contextlib
 import json
 import pathlib
 import statistics
@@ -23,13 +24,14 @@ from . import simple_scenes
 from .progress import Progress
 from .startup import installed, work_folder
 
-HELP = "this checkout beside an older revision: start-up, compilation, samples a second"
+HELP = "this checkout, or another revision, beside an older one: start-up, compilation, samples a second"
 SCENES = ("diffuse", "principled", "lamps")
 SESSION = pathlib.Path(__file__).with_name("revision_session.py")
 
 
 def arguments(parser) -> None:
     parser.add_argument("--before", metavar="REVISION", help="the older revision; without one, nothing is measured")
+    parser.add_argument("--after", metavar="REVISION", help="the later revision (default: this checkout)")
 
 
 def _scene(name: str, older: pathlib.Path, path: pathlib.Path) -> None:
@@ -70,21 +72,24 @@ def run(options) -> tuple[dict, list[dict]]:
     turns = options.repeats or (1 if options.quick else 5)
     progress = Progress((turns + 1) * len(SCENES))
     found: dict[tuple, list[dict]] = {}
-    with tempfile.TemporaryDirectory(dir=work_folder()) as name:
-        folder = pathlib.Path(name)
-        with host.checkout_of(options.before, folder / "older") as older:
-            checkouts = dict(before=older, now=host.REPOSITORY)
-            for scene in SCENES:
-                blend = folder / f"{scene}.blend"
-                progress.show(f"{scene}, compiling")
-                _scene(scene, older, blend)
-                for turn in range(turns + 1):  # the first compiles what is new
-                    for which, checkout in checkouts.items():
-                        cache = folder / which
-                        cache.mkdir(exist_ok=True)
-                        found.setdefault((scene, which), []).append(_measure(checkout, blend, cache, options))
-                    progress.step()
-                    progress.show(f"{scene} {turn + 1}")
+    with contextlib.ExitStack() as stack:
+        folder = pathlib.Path(stack.enter_context(tempfile.TemporaryDirectory(dir=work_folder())))
+        older = stack.enter_context(host.checkout_of(options.before, folder / "older"))
+        later = host.REPOSITORY
+        if options.after:
+            later = stack.enter_context(host.checkout_of(options.after, folder / "later"))
+        checkouts = dict(before=older, now=later)
+        for scene in SCENES:
+            blend = folder / f"{scene}.blend"
+            progress.show(f"{scene}, compiling")
+            _scene(scene, older, blend)
+            for turn in range(turns + 1):  # the first compiles what is new
+                for which, checkout in checkouts.items():
+                    cache = folder / which
+                    cache.mkdir(exist_ok=True)
+                    found.setdefault((scene, which), []).append(_measure(checkout, blend, cache, options))
+                progress.step()
+                progress.show(f"{scene} {turn + 1}")
     progress.close()
     median = {
         (*key, what): statistics.median(one[what] for one in each[1:])
