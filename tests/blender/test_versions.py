@@ -60,8 +60,8 @@ def test_a_file_of_an_older_version_means_what_it_meant(registered, path):
 @pytest.mark.slow
 @pytest.mark.parametrize("path", _readable("scenes"))
 def test_small_scenes_of_an_older_version_look_as_they_did(registered, path):
-    """Every source of lamps, every setting, set or not, view layers, passes, and the means of renders. The noise of two
-    means changes with the sampler: the tolerance is three of its standard deviations."""
+    """Every source of lamps, every setting, set or not, view layers, passes, and the means of renders. A new
+    sampler has other noise: the tolerance is three standard deviations of the difference of two means."""
     bpy.ops.wm.open_mainfile(filepath=str(path))
     kept, found = _kept(path), version_files.scenes_contents()
     assert {lamp["source"] for lamp in kept["lamps"].values()} == SOURCES
