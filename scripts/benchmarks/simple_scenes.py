@@ -142,31 +142,32 @@ def enable_cycles() -> None:
 CYCLES_ON_CARDS = ("OPTIX", "CUDA", "HIP", "ONEAPI", "METAL")
 
 
+def _choose_cards(kind: str) -> bool:
+    """Let Cycles render on all graphics cards that one of its back ends finds. Returns whether there is one."""
+    preferences = bpy.context.preferences.addons["cycles"].preferences
+    try:
+        preferences.compute_device_type = kind
+    except TypeError:  # not in this build of Blender
+        return False
+    preferences.refresh_devices()
+    for device in preferences.devices:
+        device.use = device.type == kind
+    return any(device.use for device in preferences.devices)
+
+
 @functools.cache
 def cycles_cards() -> tuple[str, ...]:
-    """Those back ends of Cycles for graphics cards that find one on this machine. Each may use all that it finds."""
+    """Those back ends of Cycles for graphics cards that find one on this machine."""
     enable_cycles()
-    preferences = bpy.context.preferences.addons["cycles"].preferences
-    found = []
-    for kind in CYCLES_ON_CARDS:
-        try:
-            preferences.compute_device_type = kind
-        except TypeError:  # not in this build of Blender
-            continue
-        preferences.refresh_devices()
-        for device in preferences.devices:
-            device.use |= device.type == kind
-        if any(device.type == kind for device in preferences.devices):
-            found.append(kind)
-    return tuple(found)
+    return tuple(filter(_choose_cards, CYCLES_ON_CARDS))
 
 
 def plain_cycles(scene, samples: int, bounces: int, device: str = "CPU") -> None:
     """Cycles without its defaults that trade error for bias: the same work for each sample. ``device`` is CPU, or one
     of ``cycles_cards``."""
     enable_cycles()
-    if device != "CPU":
-        bpy.context.preferences.addons["cycles"].preferences.compute_device_type = device
+    if device != "CPU":  # each time: a new scene begins with the preferences of the factory, where no card is chosen
+        _choose_cards(device)
     scene.render.engine = "CYCLES"
     cycles = scene.cycles
     cycles.device, cycles.samples, cycles.use_adaptive_sampling, cycles.use_denoising = (

@@ -175,16 +175,18 @@ class WrittenOut:
 
     @classmethod
     def of(cls, built: list) -> WrittenOut | None:
-        """For a scene with only one program of several instructions, which is short."""
+        """For a scene with only one program, which is short; of a single primitive, or of primitives that a ray crosses
+        in two intervals at most."""
         programs = [lamp.program for lamp in built if len(lamp.program) and lamp.tree is not None]
         if len(programs) != 1:
             return None
-        ops = set(programs[0]["op"].tolist())
+        (program,) = programs
+        if len(program) == 1:
+            return cls(program)
+        ops = set(program["op"].tolist())
         many = any(op < Op.UNION and not primitives.has_two_spans_at_most(op) for op in ops)
-        few = (
-            1 < len(programs[0]) <= cls.MOST and not len(parts_of(programs[0])) and not many and Op.EXCLUSIVE not in ops
-        )
-        return cls(programs[0]) if few else None
+        few = len(program) <= cls.MOST and not len(parts_of(program)) and not many and Op.EXCLUSIVE not in ops
+        return cls(program) if few else None
 
     def native(self, first: int) -> Native:
         """For the translator. ``first``: index of the first instruction in the table of the scene."""
