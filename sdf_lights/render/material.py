@@ -73,7 +73,8 @@ NODES: dict[str, dict[str, object]] = {
         subsurface_anisotropy=0.0,
     ),
     # settings, of principled too: subsurface_method ("RANDOM_WALK", the default, | "RANDOM_WALK_LEGACY" |
-    # "RANDOM_WALK_SKIN" | "BURLEY"), subsurface_once (bool: after a diffuse bounce it is diffuse)
+    # "RANDOM_WALK_SKIN" | "BURLEY"), subsurface_once (bool: after a diffuse bounce it is diffuse); of principled alone:
+    # film_on_metal (bool, True by default: the film covers its metal)
     "subsurface": dict(
         color=GREY, scale=0.05, radius=(1.0, 0.2, 0.1), ior=1.4, roughness=1.0, anisotropy=0.0, normal=None
     ),

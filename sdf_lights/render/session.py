@@ -168,8 +168,11 @@ def _render(
             on_update(film)
             next_update = time.perf_counter() + UPDATE_INTERVAL
 
+    noise, next_noise = None, 0.0
     for first, count in batches(settings.samples):
-        noise = film.noise() if first else None
+        if first and time.perf_counter() > next_noise:  # as long as a batch of a small picture on a fast device
+            noise = film.noise()
+            next_noise = time.perf_counter() + UPDATE_INTERVAL
         if not renderer.sample(first, count, stop, functools.partial(report, first, count, noise)):
             break
         sample_allocation.update(film, settings)

@@ -31,6 +31,12 @@ def _subsurface(method: str) -> dict:
     return {"subsurface_method": method, "subsurface_once": once}
 
 
+def _principled(node) -> dict:
+    """Settings of Principled, whose film covers its metal since Blender 5.0."""
+    film = {"film_on_metal": bpy.app.version >= (5, 0)}
+    return _distribution(node) | _subsurface(node.subsurface_method) | film
+
+
 _PRINCIPLED = {name: name.replace("_", " ").title() for name in NODES["principled"]} | {
     "ior": "IOR",
     "specular_ior_level": "Specular IOR Level",
@@ -42,9 +48,7 @@ _ROUGH = dict(roughness="Roughness", normal="Normal", anisotropy="Anisotropy", r
 _FILM = dict(thin_film_thickness="Thin Film Thickness", thin_film_ior="Thin Film IOR")
 
 CLOSURES = {
-    "ShaderNodeBsdfPrincipled": _Entry(
-        "principled", _PRINCIPLED, lambda node: _distribution(node) | _subsurface(node.subsurface_method)
-    ),
+    "ShaderNodeBsdfPrincipled": _Entry("principled", _PRINCIPLED, _principled),
     "ShaderNodeSubsurfaceScattering": _Entry(
         "subsurface",
         dict(
@@ -86,10 +90,14 @@ CLOSURES = {
     "ShaderNodeMixShader": _Entry("mix_closure", dict(factor="Fac", a="Shader", b="Shader_001")),
     "ShaderNodeAddShader": _Entry("add_closure", dict(a="Shader", b="Shader_001")),
 }
+# Settings of all nodes of a kind, which Cycles changed.
+_OF_VERSION = {"principled_hair": {"mesh_normal": "IGNORED"}} if bpy.app.version < (5, 0) else {}
 for _bsdf in bsdfs.ALL:
     CLOSURES[_bsdf.blender] = _Entry(
         _bsdf.kind,
         {name: _bsdf.socket(name) for name in _bsdf.inputs},
-        lambda node, names=_bsdf.settings: {name: getattr(node, name).upper() for name in names},
+        lambda node, names=_bsdf.settings, more=_OF_VERSION.get(_bsdf.kind, {}): (
+            {name: getattr(node, name).upper() for name in names} | more
+        ),
     )
 CLOSURES["ShaderNodeBsdfGlossy"] = CLOSURES["ShaderNodeBsdfAnisotropic"]

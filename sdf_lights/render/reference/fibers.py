@@ -106,7 +106,8 @@ class Hair(Fiber):
 
 class Round(Fiber):
     """Base of both models of Principled Hair:
-    ``sigma`` (N, 3), ``ior``, ``tilt`` (N,), and the shading normal ``smooth`` (N, 3) of the surface."""
+    ``sigma`` (N, 3), ``ior``, ``tilt`` (N,), and the shading normal ``smooth`` (N, 3) of the surface. ``cuts`` (N,)
+    bool: on a mesh, light rays do not see all directions."""
 
     def axes(self, wo):
         """Unit vectors across the view, and towards the viewer, both perpendicular to the fiber."""
@@ -128,7 +129,7 @@ class Round(Fiber):
 
     def cut(self, wo, wi):
         n = self.axes(wo)[0]
-        return ~self.strand & (dot(self.smooth, wi) * dot(self.smooth, n) * dot(n, wi) < 0.0)
+        return self.cuts & (dot(self.smooth, wi) * dot(self.smooth, n) * dot(n, wi) < 0.0)
 
 
 def cosine_of(sine):

@@ -186,9 +186,6 @@ class Builder:
             ),
         )
         self._finish_metal(node, lobe, mean_roughness(lobe))
-        film = covered(lobe)[:, None]
-        if np.any(film):
-            lobe.albedo = np.where(film, lobe.weight * lobe.fresnel(dot(lobe.normal, self.surface.wo))[0], lobe.albedo)
 
     def _conductor(self, node, lobe):
         lobe = metal_facets(self.points, node, lobe)
@@ -480,6 +477,9 @@ class Builder:
             )
             lobe.weight = lobe.weight * self._gain(lobe.normal, roughness, average)
         lobe.albedo = lobe.weight * (color * self._lossless(lobe.normal, roughness) + (1.0 - color) * schlick)
+        film = covered(lobe)[:, None]
+        if np.any(film):
+            lobe.albedo = np.where(film, lobe.weight * lobe.fresnel(dot(lobe.normal, self.surface.wo))[0], lobe.albedo)
         self.lobes.append(lobe)
 
     def _sheen_layer(self, node, weight, normal):

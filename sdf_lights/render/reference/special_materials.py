@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..material import Node
-from .closures import Lobe, Microfacet
+from .closures import F82, Lobe, Microfacet
 from .rare import AshikhminShirley
 from .special import THINNEST_FILM, Facets
 from .vectors import dot, normalize
@@ -64,6 +64,8 @@ def principled_facets(points, node: Node, lobe: Microfacet, backfacing: np.ndarr
     node."""
     anisotropy = np.clip(points.input(node, "anisotropic"), 0.0, 1.0)
     thickness = points.input(node, "thin_film_thickness")
+    if lobe.term == F82 and not node.settings.get("film_on_metal", True):
+        thickness = np.zeros_like(thickness)
     if not np.any(anisotropy > 0.0) and not np.any(thickness > THINNEST_FILM):
         return lobe
     film = np.maximum(points.input(node, "thin_film_ior"), 1e-5)

@@ -28,6 +28,14 @@ MORE = {
         {"roughness": 0.4, "thin_film_thickness": 350.0},
         {"fresnel_type": "PHYSICAL_CONDUCTOR", "distribution": "BECKMANN"},
     ),
+    **{
+        f"{name} under a film": Node(
+            "principled",
+            {"base_color": RUST, "roughness": 0.4, "metallic": 0.5, "thin_film_thickness": 350.0},
+            {"film_on_metal": name == "metal"},
+        )
+        for name in ("metal", "all but metal")
+    },
     "pane of half": Node(
         "principled", {"base_color": RUST, "roughness": 0.4, "transmission_weight": 0.7, "thin_wall": 1.0, "ior": 1.3}
     ),
@@ -42,6 +50,11 @@ MORE = {
             "random_roughness": 0.4,
         },
         {"model": "CHIANG", "parametrization": "MELANIN"},
+    ),
+    "chiang before 5.0": Node(
+        "principled_hair",
+        {"absorption_coefficient": (0.05, 0.2, 0.6)},
+        {"model": "CHIANG", "parametrization": "ABSORPTION", "mesh_normal": "IGNORED"},
     ),
     "hair of a tangent": Node("hair", {"tangent": (0.6, 0.8, 0.1), "offset": 0.3}, {"component": "REFLECTION"}),
 }

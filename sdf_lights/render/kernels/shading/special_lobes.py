@@ -52,7 +52,8 @@ WITH_FACETS, WITH_THIN_WALL, WITH_BECKMANN = (1 << bit for bit in range(8, 11))
 # surface. The method is the number from bit METHOD on.
 WITH_SUBSURFACE, WITH_THIN_SCATTERING, ONCE = (1 << bit for bit in range(11, 14))
 METHOD = 14
-_OPTIONS = 16  # from this bit on: options of ``render.bsdfs``, each valid for every BSDF that has it
+BARE_METAL = 1 << 16  # Principled whose film does not cover its metal
+_OPTIONS = 17  # from this bit on: options of ``render.bsdfs``, each valid for every BSDF that has it
 
 
 def option(kind: str, setting: str, value: str) -> int:
@@ -119,6 +120,7 @@ def variant(node: Node, kind: int, inputs: tuple[str, ...], can_be: Callable) ->
     if node.kind == "principled":
         film = can_be(_FILM[0], lambda value: value > THINNEST_FILM)
         features |= WITH_FACETS * (film or can_be("anisotropic", lambda value: value > 0.0))
+        features |= BARE_METAL * (film and not node.settings.get("film_on_metal", True))
         features |= WITH_THIN_WALL * (
             can_be("thin_wall", lambda value: value > 0.0)
             and can_be("transmission_weight", lambda value: value > 0.0)

@@ -31,6 +31,7 @@ from .fibers import (
     azimuthal,
     cosine_of,
     cut,
+    cuts_light_rays,
     longitudinal,
     random_factor,
     sample_azimuthal,
@@ -77,6 +78,7 @@ def add_lobe(block, workspace, lobe, weight):
     sigma = absorption(block, workspace, lobe, radial)
     closure.kind = CHIANG
     closure.reflects = closure.transmits = 1
+    closure.distribution = int(cuts_light_rays(surface, lobe))
     put(closure.edge, sigma)
     rough = _clamped(roughness)
     coat = min(max(number(block, workspace, args[COAT]), 0.0), 1.0)
@@ -149,11 +151,12 @@ def _scattered(closure, wo, sine_i, phi):
 def evaluate(block, workspace, index, x, y, z):
     """f · |cos| without its weight, and pdf."""
     closure = closure_table(workspace)[int(index)]
-    wo, wi = vec(surface_table(workspace)[0].wo), (x, y, z)
+    surface = surface_table(workspace)[0]
+    wo, wi = vec(surface.wo), (x, y, z)
     first, second = across(vec(closure.tangent), wo)
     phi = math.atan2(dot(second, wi), dot(first, wi)) - math.atan2(dot(second, wo), dot(first, wo))
     value, pdf = _scattered(closure, wo, min(max(dot(vec(closure.tangent), wi), -1.0), 1.0), phi)
-    if cut(surface_table(workspace)[0], first, wi):
+    if cut(surface, closure, first, wi):
         return 0.0, 0.0, 0.0, pdf
     return value[0], value[1], value[2], pdf
 

@@ -48,6 +48,7 @@ from ..records import (
     surface_table,
 )
 from ..special_lobes import (
+    BARE_METAL,
     LOBE_ROUGH_GLASS,
     LOBE_ROUGH_GLOSSY,
     LOBE_ROUGH_REFRACTION,
@@ -291,10 +292,12 @@ def smooth_albedo(block, closure, cosine):
 @kernel
 def refine(block, workspace, lobe, index, roughness):
     """For microfacets of Principled: see ``dispatch.refine``."""
-    args = lobe_table(block)[int(lobe)].args
+    features, args = lobe_table(block)[int(lobe)].features, lobe_table(block)[int(lobe)].args
     closure, surface = closure_table(workspace)[int(index)], surface_table(workspace)[0]
     anisotropy = 0.0 if closure.transmits else saturate(number(block, workspace, args[ANISOTROPIC]))
     thickness = number(block, workspace, args[THIN_FILM_THICKNESS])
+    if features & BARE_METAL and closure.fresnel == FRESNEL_F82:
+        thickness = 0.0
     if anisotropy > 0.0 or thickness > THINNEST_FILM:
         begin_facets(closure, GGX)
     if anisotropy > 0.0:

@@ -14,6 +14,7 @@ TWO_PI = 2.0 * math.pi
 _OF_MELANIN, _OF_ABSORPTION = (
     option("principled_hair", "parametrization", value) for value in ("MELANIN", "ABSORPTION")
 )
+_MESH_IGNORED = option("principled_hair", "mesh_normal", "IGNORED")
 RIBBONS = int(Primitive.RIBBONS)
 
 # Indices of the arguments of the lobe.
@@ -62,14 +63,20 @@ def across(tangent, wo):
 
 
 @kernel
-def cut(surface, n, wi):
+def cuts_light_rays(surface, lobe):
+    """Whether ``cut`` has an effect."""
+    return surface.strand == 0 and lobe.features & _MESH_IGNORED == 0
+
+
+@kernel
+def cut(surface, closure, n, wi):
     """Whether light rays from wi have no effect on a mesh; n is perpendicular to the fiber and to the view.
 
     Cycles treats n as the normal of a bump, behind which it cuts light rays; rays sampled from the fiber itself
     continue. So a lamp without a size gives less light than it should, and others lose the part of light rays. This
-    engine does the same.
+    engine does the same. Before Blender 5.0, Cycles cut none.
     """
-    if surface.strand:
+    if not closure.distribution:
         return False
     smooth = vec(surface.n)
     return dot(smooth, wi) * dot(smooth, n) * dot(n, wi) < 0.0

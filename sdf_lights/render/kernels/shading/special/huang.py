@@ -44,6 +44,7 @@ from .fibers import (
     azimuthal,
     cosine_of,
     cut,
+    cuts_light_rays,
     longitudinal,
     random_factor,
     sample_azimuthal,
@@ -84,6 +85,7 @@ def add_lobe(block, workspace, lobe, weight):
     )
     closure.kind = HUANG
     closure.reflects = closure.transmits = 1
+    closure.distribution = int(cuts_light_rays(surface, lobe))
     put(closure.tangent, tangent)
     put(closure.f0, (r, tt, trt))
     put(closure.edge, absorption(block, workspace, lobe, roughness))
@@ -462,7 +464,7 @@ def evaluate(block, workspace, index, x, y, z):
     closure, surface = closure_table(workspace)[int(index)], surface_table(workspace)[0]
     wo, wi = vec(surface.wo), (x, y, z)
     n, _ = across(vec(closure.tangent), wo)
-    if cut(surface, n, wi):
+    if cut(surface, closure, n, wi):
         return (
             0.0,
             0.0,
@@ -502,7 +504,7 @@ def sample(block, workspace, index, u1, u2, u3):
         return _NO_DIRECTION
     # Cycles counts all scattering of curves as reflection.
     kind = TRANSMISSION if surface.strand == 0 and dot(vec(surface.ng), wi) < 0.0 else GLOSSY
-    if surface.closure_count == 1 and cut(surface, x, wi):
+    if surface.closure_count == 1 and cut(surface, closure, x, wi):
         # Light rays find nothing here. As in Cycles, which does not know the density, sampled directions get most of
         # the weight.
         more = max(_CERTAIN / pdf, 1.0)
