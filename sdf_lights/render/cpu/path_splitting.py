@@ -93,6 +93,9 @@ def trace_branches(block, workspace, x, y, branches, first_branch):
     sample.divided, before = 1, brightness(sample)
     put(sample.before, vec(sample.combined))
     put(sample.lamps_before, vec(sample.lamps))
+    if branches == 1 and not block.light_paths:
+        follow_only_branch(block, workspace, first_branch)
+        return
     paths[WAITING] = paths[0]
     save_state(block, workspace, WAITING)
     if block.light_paths:
@@ -134,6 +137,16 @@ def trace_branches(block, workspace, x, y, branches, first_branch):
     mean = (light - before) / branches
     for branch in range(branches):
         sample.spread += (branches * (paths[FIRST_BRANCH + branch].brought - mean)) ** 2
+
+
+@kernel
+def follow_only_branch(block, workspace, first_branch):
+    """Follow a path that does not split on from where it could: as with several branches, without keeping them."""
+    path = path_table(workspace)[0]
+    path.index = first_branch
+    if scatter(block, workspace):
+        path.dimension += VERTEX_SETS
+        trace_path(block, workspace, False)
 
 
 @kernel

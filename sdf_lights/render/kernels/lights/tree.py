@@ -209,6 +209,12 @@ def _infinite_probability(tree, importance, cut):
     return min(max(p, LEAST_INFINITE), 1.0 - LEAST_INFINITE)
 
 
+@kernel
+def _has_one(nodes, tree):
+    """Whether a tree has one emitter alone, which is in its root."""
+    return tree.first == tree.end and tree.nodes > 0 and nodes[tree.root].child < 0
+
+
 @replaced_on_gpu
 @kernel
 def select(block, number, x, n, u, cut):
@@ -219,6 +225,8 @@ def select(block, number, x, n, u, cut):
     ``cut`` (``LIGHT_CUT``) is scratch memory, which ``selection_probability`` at the same x and n can use again.
     """
     nodes, infinite, tree = node_table(block), infinite_table(block), tree_table(block)[number]
+    if _has_one(nodes, tree):
+        return ~nodes[tree.root].child, 1.0, u
     if tree.nodes > 0:
         fit_cut(nodes, tree.root, x, n, cut)
     probability = 1.0
@@ -283,6 +291,8 @@ def selection_probability(block, number, x, n, emitter, cut):
     leaf, endless = place_in(block, number, emitter)
     if endless < 0 and leaf < 0:
         return 0.0
+    if _has_one(nodes, tree):
+        return 1.0
     if tree.nodes > 0:
         fit_cut(nodes, tree.root, x, n, cut)
     importance = _total_importance(infinite, tree, n)
