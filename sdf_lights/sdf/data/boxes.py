@@ -11,10 +11,12 @@ as in the other.
 from __future__ import annotations
 
 import functools
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
 LEAF = 4  # things of a leaf
+LARGE = 1 << 15  # things for which two threads take less time than one
 
 
 def tree(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -28,15 +30,12 @@ def tree(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     order = np.arange(LEAF * leaves) * n // (LEAF * leaves)
     # One axis after the other, as numbers that lie together are compared several times as fast.
     middles = np.ascontiguousarray(0.5 * (low + high).T)
-    parts = 1
-    while parts < leaves:
-        blocks = order.reshape(parts, -1)
-        points = middles[:, blocks]
-        axes = np.argmax(_of_rows(np.maximum, points) - _of_rows(np.minimum, points), axis=0)
-        along = points[axes, np.arange(parts)]
-        halves = np.argpartition(along, blocks.shape[1] // 2, axis=1)
-        order = np.take_along_axis(blocks, halves, axis=1).ravel()
-        parts *= 2
+    if n < LARGE:
+        order = _divided(order, middles, 1, leaves)
+    else:
+        halves = _divided(order, middles, 1, 2).reshape(2, -1)
+        with ThreadPoolExecutor(2) as pool:  # NumPy's partition lets another thread run
+            order = np.concatenate(list(pool.map(lambda half: _divided(half, middles, 1, leaves // 2), halves)))
     nodes = np.zeros((2 * leaves, 2 * dimensions))
     nodes[leaves:, :dimensions] = functools.reduce(np.minimum, (low[order[k::LEAF]] for k in range(LEAF)))
     nodes[leaves:, dimensions:] = functools.reduce(np.maximum, (high[order[k::LEAF]] for k in range(LEAF)))
@@ -47,6 +46,20 @@ def tree(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         nodes[level : 2 * level, :dimensions] = np.minimum(first[:, :dimensions], second[:, :dimensions])
         nodes[level : 2 * level, dimensions:] = np.maximum(first[:, dimensions:], second[:, dimensions:])
     return order, nodes
+
+
+def _divided(order: np.ndarray, middles: np.ndarray, parts: int, most: int) -> np.ndarray:
+    """Divide each of so many ``parts`` of an order in two, until there are ``most``. ``middles`` (k, n) are those of
+    the boxes."""
+    while parts < most:
+        blocks = order.reshape(parts, -1)
+        points = middles[:, blocks]
+        axes = np.argmax(_of_rows(np.maximum, points) - _of_rows(np.minimum, points), axis=0)
+        along = points[axes, np.arange(parts)]
+        halves = np.argpartition(along, blocks.shape[1] // 2, axis=1)
+        order = np.take_along_axis(blocks, halves, axis=1).ravel()
+        parts *= 2
+    return order
 
 
 def _of_rows(better: np.ufunc, values: np.ndarray) -> np.ndarray:

@@ -41,35 +41,58 @@ def triangles(vertices: np.ndarray, faces: np.ndarray) -> Triangles:
     if not kept.any():
         raise ValueError("no triangle has an area")
     closed = bool(kept.all()) and _is_closed(faces)
-    found, normals, areas = found[kept], normals[kept], areas[kept]
+    found = found[kept]
     order, nodes = boxes.tree(found.min(axis=1), found.max(axis=1))
     leaves = len(nodes) // 2
     once = np.zeros(len(order))
     once[np.unique(order, return_index=True)[1]] = 1.0  # a triangle that is there again has no weight
     corners = np.column_stack([found[order].reshape(-1, 9), once])
-    weights = once * areas[order]
-    sums = np.zeros((2 * leaves, 16))  # area, area times centre, area times normal, centre times area times normal
-    places, flux = (found.sum(axis=1) / 3.0)[order], once[:, None] * normals[order]
-    rows = np.empty((len(order), 16))
-    rows[:, 0], rows[:, 1:4], rows[:, 4:7] = weights, weights[:, None] * places, flux
-    rows[:, 7:] = (places[:, :, None] * flux[:, None, :]).reshape(-1, 9)
-    sums[leaves:] = sum(rows[k :: boxes.LEAF] for k in range(boxes.LEAF))
-    level = leaves
-    while level > 1:
-        level //= 2
-        sums[level : 2 * level] = sums[2 * level : 4 * level : 2] + sums[2 * level + 1 : 4 * level : 2]
-    with np.errstate(all="ignore"):
-        middles = np.where(sums[:, :1] > 0.0, sums[:, 1:4] / sums[:, :1], 0.5 * (nodes[:, :3] + nodes[:, 3:]))
-        farthest = np.maximum(np.abs(nodes[:, :3] - middles), np.abs(nodes[:, 3:] - middles))
-        reach = np.where(
-            sums[:, 0] > 0.0, FAR**2 * (farthest**2).sum(axis=1), -1.0
-        )  # parts without triangles add nothing
-    flux = sums[:, 4:7]
-    second = sums[:, 7:].reshape(-1, 3, 3) - middles[:, :, None] * flux[:, None, :]
-    second = 0.5 * (second + second.transpose(0, 2, 1))
-    second -= second.trace(axis1=1, axis2=2)[:, None, None] / 3.0 * np.eye(3)
-    upper = second[:, *np.triu_indices(3)]
-    return Triangles(corners, nodes, np.column_stack([middles, reach, flux, upper]), closed)
+    moments = np.empty((2 * leaves, 13))
+    _find_moments(corners, nodes, np.zeros((2 * leaves, 16)), moments)
+    return Triangles(corners, nodes, moments, closed)
+
+
+@kernel
+def _find_moments(corners, nodes, sums, moments):
+    """Fill ``moments`` of ``Triangles``. ``sums`` (2 leaves, 16), zero, is for each node the area; area times centre;
+    area times normal; and centre times area times normal."""
+    leaves = len(nodes) // 2
+    for row in range(len(corners)):
+        if corners[row, 9] == 0.0:
+            continue
+        into = sums[leaves + row // boxes.LEAF]
+        a, b, c = corners[row, 0:3], corners[row, 3:6], corners[row, 6:9]
+        flux = (
+            0.5 * ((b[1] - a[1]) * (c[2] - a[2]) - (b[2] - a[2]) * (c[1] - a[1])),
+            0.5 * ((b[2] - a[2]) * (c[0] - a[0]) - (b[0] - a[0]) * (c[2] - a[2])),
+            0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])),
+        )
+        area = math.sqrt(flux[0] * flux[0] + flux[1] * flux[1] + flux[2] * flux[2])
+        into[0] += area
+        for i in range(3):
+            place = (a[i] + b[i] + c[i]) / 3.0
+            into[1 + i] += area * place
+            into[4 + i] += flux[i]
+            for j in range(3):
+                into[7 + 3 * i + j] += place * flux[j]
+    for node in range(leaves - 1, 0, -1):
+        for k in range(16):
+            sums[node, k] = sums[2 * node, k] + sums[2 * node + 1, k]
+    for node in range(2 * leaves):
+        own, found, area, farthest, trace = sums[node], moments[node], sums[node, 0], 0.0, 0.0
+        for i in range(3):
+            low, high = nodes[node, i], nodes[node, 3 + i]
+            found[i], found[4 + i] = own[1 + i] / area if area > 0.0 else 0.5 * (low + high), own[4 + i]
+            reach = max(abs(low - found[i]), abs(high - found[i]))
+            farthest += reach * reach
+            trace += (own[7 + 4 * i] - found[i] * own[4 + i]) / 3.0
+        found[3] = FAR * FAR * farthest if area > 0.0 else -1.0  # parts without triangles add nothing
+        place = 7
+        for i in range(3):
+            for j in range(i, 3):
+                first, second = own[7 + 3 * i + j] - found[i] * own[4 + j], own[7 + 3 * j + i] - found[j] * own[4 + i]
+                found[place] = 0.5 * (first + second) - (trace if i == j else 0.0)
+                place += 1
 
 
 def _is_closed(faces: np.ndarray) -> bool:
