@@ -32,7 +32,9 @@ def blender_zip(blender_command, tmp_path_factory) -> pathlib.Path:
 
 @pytest.fixture(scope="session")
 def registered():
-    """The registered add-on."""
+    """The registered add-on, alone: tests of scripts in the same process may have registered another copy."""
+    if host.PACKAGE in sys.modules:
+        sys.modules.pop(host.PACKAGE).unregister()
     blender.register()
     yield blender
     blender.unregister()
