@@ -37,8 +37,8 @@ def _kinds(result: Result) -> str:
     summary = result.summary
     costs = (
         f"A ray through a grid takes {number(summary['cost_ratio_grid_to_sponge'])} times as long as one through Menger's "
-        f"sponge, one through 200 letters {number(summary['cost_ratio_200_to_1_letters'])} times as long as one through a "
-        "letter.\n"
+        f"sponge. One through 200 letters takes\n{number(summary['cost_ratio_200_to_1_letters'])} times as long as one "
+        "through a letter.\n"
     )
     return _with_command(
         result,
