@@ -170,7 +170,7 @@ def _render(
 
     noise, next_noise = None, 0.0
     for first, count in batches(settings.samples):
-        if first and time.perf_counter() > next_noise:  # as long as a batch of a small picture on a fast device
+        if first and time.perf_counter() > next_noise:  # on a fast device it takes as long as a batch
             noise = film.noise()
             next_noise = time.perf_counter() + UPDATE_INTERVAL
         if not renderer.sample(first, count, stop, functools.partial(report, first, count, noise)):

@@ -139,7 +139,7 @@ def test_principled_hair(surface):
 
     node, scene = surface(build)
     assert node.kind == "principled_hair" and scene.warnings == []
-    cut = {} if bpy.app.version >= (5, 0) else {"mesh_normal": "IGNORED"}
+    cut = {} if bpy.app.version >= (5, 0) else {"light_rays": "ALL"}
     assert node.settings == {"model": "HUANG", "parametrization": "MELANIN"} | cut
     expected = dict(melanin=0.5, aspect_ratio=0.75, roughness=0.25, trt_lobe=0.5, offset=0.125, r_lobe=1.0)
     assert {name: node[name] for name in expected} == pytest.approx(expected)

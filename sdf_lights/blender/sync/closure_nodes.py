@@ -90,8 +90,8 @@ CLOSURES = {
     "ShaderNodeMixShader": _Entry("mix_closure", dict(factor="Fac", a="Shader", b="Shader_001")),
     "ShaderNodeAddShader": _Entry("add_closure", dict(a="Shader", b="Shader_001")),
 }
-# Settings of all nodes of a kind, which Cycles changed.
-_OF_VERSION = {"principled_hair": {"mesh_normal": "IGNORED"}} if bpy.app.version < (5, 0) else {}
+# Settings that all nodes of a kind have in this Blender.
+_OF_VERSION = {"principled_hair": {"light_rays": "ALL"}} if bpy.app.version < (5, 0) else {}
 for _bsdf in bsdfs.ALL:
     CLOSURES[_bsdf.blender] = _Entry(
         _bsdf.kind,

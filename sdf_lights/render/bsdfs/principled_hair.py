@@ -29,8 +29,8 @@ BSDF = Bsdf(
     ),
     lobes=(Lobe("chiang", {"chiang": Group.OTHER}), Lobe("huang", {"huang": Group.OTHER}, when=("model", "HUANG"))),
     settings=("model", "parametrization"),  # "CHIANG" | "HUANG"; "COLOR" | "MELANIN" | "ABSORPTION"
-    # mesh_normal "IGNORED": on a mesh, light rays see all directions, as in Blender before 5.0
-    options=(("parametrization", "MELANIN"), ("parametrization", "ABSORPTION"), ("mesh_normal", "IGNORED")),
+    # light_rays "ALL": those of a mesh see all directions, as in Blender before 5.0
+    options=(("parametrization", "MELANIN"), ("parametrization", "ABSORPTION"), ("light_rays", "ALL")),
     sockets=dict(ior="IOR", r_lobe="R lobe", tt_lobe="TT lobe", trt_lobe="TRT lobe"),
     needs_derivatives=True,
 )

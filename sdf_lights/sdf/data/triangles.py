@@ -41,32 +41,28 @@ def triangles(vertices: np.ndarray, faces: np.ndarray) -> Triangles:
     if not kept.any():
         raise ValueError("no triangle has an area")
     closed = bool(kept.all()) and _is_closed(faces)
-    found = found[kept]
+    found, normals = found[kept], normals[kept]
     order, nodes = boxes.tree(found.min(axis=1), found.max(axis=1))
     leaves = len(nodes) // 2
     once = np.zeros(len(order))
     once[np.unique(order, return_index=True)[1]] = 1.0  # a triangle that is there again has no weight
     corners = np.column_stack([found[order].reshape(-1, 9), once])
     moments = np.empty((2 * leaves, 13))
-    _find_moments(corners, nodes, np.zeros((2 * leaves, 16)), moments)
+    _find_moments(corners, normals[order], nodes, np.zeros((2 * leaves, 16)), moments)
     return Triangles(corners, nodes, moments, closed)
 
 
 @kernel
-def _find_moments(corners, nodes, sums, moments):
-    """Fill ``moments`` of ``Triangles``. ``sums`` (2 leaves, 16), zero, is for each node the area; area times centre;
-    area times normal; and centre times area times normal."""
+def _find_moments(corners, normals, nodes, sums, moments):
+    """Fill ``moments`` of ``Triangles``. ``normals`` (LEAF · leaves, 3) are as long as the areas of the triangles.
+    ``sums`` (2 leaves, 16), zero, is for each node the area; area times centre; area times normal; and centre times
+    area times normal."""
     leaves = len(nodes) // 2
     for row in range(len(corners)):
         if corners[row, 9] == 0.0:
             continue
         into = sums[leaves + row // boxes.LEAF]
-        a, b, c = corners[row, 0:3], corners[row, 3:6], corners[row, 6:9]
-        flux = (
-            0.5 * ((b[1] - a[1]) * (c[2] - a[2]) - (b[2] - a[2]) * (c[1] - a[1])),
-            0.5 * ((b[2] - a[2]) * (c[0] - a[0]) - (b[0] - a[0]) * (c[2] - a[2])),
-            0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])),
-        )
+        a, b, c, flux = corners[row, 0:3], corners[row, 3:6], corners[row, 6:9], normals[row]
         area = math.sqrt(flux[0] * flux[0] + flux[1] * flux[1] + flux[2] * flux[2])
         into[0] += area
         for i in range(3):

@@ -54,7 +54,7 @@ MORE = {
     "chiang before 5.0": Node(
         "principled_hair",
         {"absorption_coefficient": (0.05, 0.2, 0.6)},
-        {"model": "CHIANG", "parametrization": "ABSORPTION", "mesh_normal": "IGNORED"},
+        {"model": "CHIANG", "parametrization": "ABSORPTION", "light_rays": "ALL"},
     ),
     "hair of a tangent": Node("hair", {"tangent": (0.6, 0.8, 0.1), "offset": 0.3}, {"component": "REFLECTION"}),
 }

@@ -146,7 +146,7 @@ CLOSURE = np.dtype(
         ("transmits", "i4"),
         ("singular", "i4"),
         ("bumped", "i4"),  # its normal is not the surface's: the bump shadowing term applies
-        ("distribution", "i4"),  # of FACETS; of SUBSURFACE the method; of CHIANG and HUANG: is light ever cut?
+        ("distribution", "i4"),  # of FACETS; of SUBSURFACE the method; of CHIANG and HUANG: ``fibers.cuts_light_rays``
         ("weight", "f8", 3),
         ("pick", "f8"),  # probability that sample() draws this closure
         ("normal", "f8", 3),

@@ -61,7 +61,7 @@ def _principled_hair(points, node: Node, weight: np.ndarray, table) -> Lobe:
         smooth=surface.ns,
         facing=surface.ng,
         strand=surface.strand > 0,
-        cuts=(surface.strand == 0) & (node.settings.get("mesh_normal") != "IGNORED"),
+        cuts=(surface.strand == 0) & (node.settings.get("light_rays") != "ALL"),
         tangent=tangent,
         sigma=_absorption(points, node, radial),
         ior=points.input(node, "ior"),

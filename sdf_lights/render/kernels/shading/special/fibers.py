@@ -14,7 +14,7 @@ TWO_PI = 2.0 * math.pi
 _OF_MELANIN, _OF_ABSORPTION = (
     option("principled_hair", "parametrization", value) for value in ("MELANIN", "ABSORPTION")
 )
-_MESH_IGNORED = option("principled_hair", "mesh_normal", "IGNORED")
+_ALL_LIGHT_RAYS = option("principled_hair", "light_rays", "ALL")
 RIBBONS = int(Primitive.RIBBONS)
 
 # Indices of the arguments of the lobe.
@@ -65,7 +65,7 @@ def across(tangent, wo):
 @kernel
 def cuts_light_rays(surface, lobe):
     """Whether ``cut`` has an effect."""
-    return surface.strand == 0 and lobe.features & _MESH_IGNORED == 0
+    return surface.strand == 0 and lobe.features & _ALL_LIGHT_RAYS == 0
 
 
 @kernel
