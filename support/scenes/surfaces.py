@@ -175,6 +175,16 @@ def only_refractive_caustics(width: int = WIDTH, height: int = HEIGHT) -> Scene:
     return scene
 
 
+def principled_without_caustics(width: int = WIDTH, height: int = HEIGHT) -> Scene:
+    """Coats, metal and glass in parts, all black after diffuse bounces."""
+    scene = glass(width, height)
+    scene.settings.caustics_reflective = scene.settings.caustics_refractive = False
+    for index, inputs in enumerate((dict(coat_weight=1.0), dict(metallic=0.5), dict(transmission_weight=0.5))):
+        scene.materials.append(material("principled", "half", base_color=(0.8, 0.6, 0.4), roughness=0.3, **inputs))
+        scene.instances[index].materials = (len(scene.materials) - 1,)
+    return scene
+
+
 def filtered_glossy(width: int = WIDTH, height: int = HEIGHT) -> Scene:
     """A mirror, glass and facets that Filter Glossy blurs behind diffuse bounces."""
     scene = glass(width, height)

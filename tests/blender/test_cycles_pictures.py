@@ -104,6 +104,32 @@ def test_a_setting_does_what_it_does_in_cycles(room, both, name):
     compare(name, plain, both() if changes else plain, least)
 
 
+# Inputs of the Principled BSDF of all that is solid in the room.
+LAYERS = {
+    "specular": {},
+    "half metal": {"Metallic": 0.5},
+    "coat": {"Coat Weight": 1.0},
+    "film": {"Thin Film Thickness": 400.0},
+    "half glass": {"Transmission Weight": 0.5},
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", LAYERS)
+def test_layers_that_reflect_no_caustics_are_not_there(room, both, name):
+    for made in ("Floor", "Wall", "Metal"):
+        tree = bpy.data.materials[made].node_tree
+        node = tree.nodes.new("ShaderNodeBsdfPrincipled")
+        node.inputs["Base Color"].default_value, node.inputs["Roughness"].default_value = (0.8, 0.7, 0.6, 1.0), 0.4
+        for key, value in LAYERS[name].items():
+            node.inputs[key].default_value = value
+        output = next(each for each in tree.nodes if each.type == "OUTPUT_MATERIAL")
+        tree.links.new(node.outputs[0], output.inputs["Surface"])
+    plain = both()
+    room.cycles.caustics_reflective = room.cycles.caustics_refractive = False
+    compare(f"no caustics, {name}", plain, both(), 0.0)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("roughness", [0.0, 0.2])
 def test_filter_glossy_blurs_what_it_blurs_in_cycles(room, both, roughness):

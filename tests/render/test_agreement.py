@@ -38,6 +38,7 @@ QUICK = (
     "glass",
     "subsurface_profile",
     "only_reflective_caustics",
+    "principled_without_caustics",
     "textured",
     "probed",
     "instances",

@@ -64,8 +64,9 @@ def leaves(node, points: Points, weight: np.ndarray) -> Iterator[tuple[Node, np.
 class Builder:
     """Lobes, emission (N, 3) and holdout (N,) of one material at ``points``."""
 
-    def __init__(self, points: Points, table: Table):
+    def __init__(self, points: Points, table: Table, reflective_caustics: bool = True):
         self.points, self.table, self.surface = points, table, points.surface
+        self.reflective_caustics = reflective_caustics
         self.emission, self.holdout = np.zeros((points.count, 3)), np.zeros(points.count)
         self.lobes: list[Lobe] = []
 
@@ -454,8 +455,11 @@ class Builder:
             reflected = np.where(film, smooth * e, reflected)
         lobe.weight, lobe.albedo = weight * gain, weight * gain * reflected
         self.lobes.append(lobe)
-        # As in Cycles, a layer that loses energy takes as much from the layers below as one that does not.
-        return self._below(weight, lobe.albedo if compensated else lobe.albedo / e)
+        # As in Cycles, a layer that loses energy takes as much from the layers below as one that does not, and layers
+        # that reflect no caustics take nothing from them.
+        below = self._below(weight, lobe.albedo if compensated else lobe.albedo / e)
+        black = (self.surface.ray_kind == Ray.DIFFUSE) & (not self.reflective_caustics)
+        return np.where(black[:, None], weight, below)
 
     def _metal(self, node, weight, normal, roughness, color, tint):
         lobe = Microfacet(

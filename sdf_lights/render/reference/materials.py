@@ -28,6 +28,8 @@ from .rare import AshikhminShirley, Velvet
 from .subsurface import Subsurface
 from .vectors import dot, normalize
 
+LEAST_LEFT = 0.05  # of the probability of a lobe that loses reflection or refraction, as in the kernels
+
 
 class Shading:
     """Emission, transmission and scattering of surfaces: lobes for each group of rows that share a material."""
@@ -64,11 +66,16 @@ class Shading:
             for lobe in lobes:
                 if not isinstance(lobe, Microfacet):
                     continue
-                if lobe.transmits and lobe.term == DIELECTRIC:
+                if lobe.transmits and lobe.term == DIELECTRIC and (reflective or refractive):
+                    parts = [part.mean(1) for part in lobe.fresnel(np.abs(dot(lobe.normal, self.surface.wo[rows])))[:2]]
+                    whole, rest = sum(parts), parts[0 if reflective else 1]
+                    left = np.maximum(rest, LEAST_LEFT * whole) / np.where(whole > 0.0, whole, 1.0)
+                    lobe.albedo = lobe.albedo * np.where(light > 0.0, 1.0, left[:, None])
                     lobe.reflection = lobe.reflection * (1.0 if reflective else light)
                     lobe.transmission = lobe.transmission * (1.0 if refractive else light)
                 elif not (refractive if lobe.transmits else reflective):
-                    lobe.weight = lobe.weight * light
+                    # Black lobes draw no directions: what other lobes scatter there would count as glossy.
+                    lobe.weight, lobe.albedo = lobe.weight * light, lobe.albedo * light
 
     def blur(self, least_pdf: np.ndarray, limit: float) -> None:
         """Raise the roughness of lobes where the ``least_pdf`` (N,) of a path is below ``limit``: Filter Glossy of
@@ -200,7 +207,7 @@ class Materials:
             points = Points(graph, part, self.geometry, self.scene.images, footprint[rows], rng)
             if graph.normal is not None:
                 part.ns = surface.ns[rows] = points.unit_or_own(points.value(graph.normal, 3))
-            builder = Builder(points, self.table)
+            builder = Builder(points, self.table, self.scene.settings.caustics_reflective)
             builder.build(graph.surface)
             shading.emission[rows], shading.holdout[rows] = builder.emission, builder.holdout
             lobes = [lobe for lobe in builder.lobes if (lobe.weight.mean(1) >= CUTOFF).any()]

@@ -6,8 +6,8 @@ blurred for rays with a small pdf."""
 import math
 
 from ....jit import kernel
-from ....vec import ZERO, put
-from .microfacet import is_singular
+from ....vec import ZERO, add, average, dot, put, vec
+from .microfacet import is_singular, reflectance
 from .records import (
     ASHIKHMIN_SHIRLEY,
     CHIANG,
@@ -22,23 +22,40 @@ from .records import (
     surface_table,
 )
 
+LEAST_LEFT = 0.05  # part of a closure's probability that stays at least, if it loses reflection or refraction
+
 
 @kernel
 def darken_microfacets(workspace, kept):
     """Remove reflection, refraction or both from the microfacets of ``workspace.surface``; ``kept``: the bits of GLOSSY
-    and TRANSMISSION that stay. Their samples then carry nothing, so probabilities stay the same."""
-    closures = closure_table(workspace)
-    for i in range(surface_table(workspace)[0].closure_count):
+    and TRANSMISSION that stay. Black closures draw no directions: what other closures scatter there would count as
+    glossy."""
+    surface, closures, total = surface_table(workspace)[0], closure_table(workspace), 0.0
+    for i in range(surface.closure_count):
         closure = closures[i]
         if MICROFACET <= closure.kind <= LAST_GLOSSY:
             reflects = closure.reflects != 0 and kept & GLOSSY != 0 and closure.kind != THIN_GLASS
             transmits = closure.transmits != 0 and kept & TRANSMISSION != 0
             if not (reflects or transmits):
                 put(closure.weight, ZERO)
-            elif not reflects:
-                put(closure.reflection_tint, ZERO)
-            elif not transmits:
-                put(closure.transmission_tint, ZERO)
+                closure.pick = 0.0
+            elif closure.kind != THIN_GLASS and closure.reflects and closure.transmits and not (reflects and transmits):
+                r, t, _ = reflectance(closure, abs(dot(vec(closure.normal), vec(surface.wo))))
+                whole = average(add(r, t))
+                if reflects:
+                    rest = average(r)
+                    put(closure.transmission_tint, ZERO)
+                else:
+                    rest = average(t)
+                    put(closure.reflection_tint, ZERO)
+                # Microfacets that are turned away may scatter some light even where the smooth surface has none left.
+                closure.pick *= max(rest, LEAST_LEFT * whole) / whole if whole > 0.0 else 1.0
+        total += closure.pick
+    if total > 0.0:
+        for i in range(surface.closure_count):
+            closures[i].pick /= total
+    else:
+        surface.closure_count = surface.evaluable = 0
 
 
 @kernel

@@ -62,7 +62,9 @@ from .material_records import (
 )
 from .operands import normal, number, vector
 from .records import (
+    DIFFUSE,
     FRESNEL_DIELECTRIC,
+    GLOSSY,
     NEGLIGIBLE,
     THINNEST_FILM,
     closure_table,
@@ -85,6 +87,8 @@ def _below(weight, albedo):
 @kernel
 def _add_dielectric_layer(block, workspace, compensated, refined, weight, n, roughness, ior, f0):
     """A clear reflecting layer. Returns the weight of the layers below it."""
+    if surface_table(workspace)[0].ray_kind == DIFFUSE and block.caustics & GLOSSY == 0:
+        return weight  # as in Cycles, layers that reflect no caustics take nothing from those below
     index = begin_microfacet(workspace, weight, n, roughness, ior)
     if index < 0:
         return weight

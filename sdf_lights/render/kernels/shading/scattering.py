@@ -181,6 +181,8 @@ def sample(block, workspace, u1, u2, u3):
         while chosen < count - 1 and u3 >= closures[chosen].pick:
             u3 -= closures[chosen].pick
             chosen += 1
+        if not closures[chosen].pick > 0.0:  # the last one is black, and the others' sum is below 1 by rounding
+            return ZERO, ZERO, 0.0, 0.0, 0
         u3 = min(u3 / closures[chosen].pick, _BELOW_ONE)
     closure = closures[chosen]
     wi, value, pdf, kind = _sample_closure(block, workspace, chosen, u1, u2, u3)
