@@ -51,8 +51,8 @@ def _kinds(result: Result) -> str:
 
 def _grids(result: Result) -> str:
     """The time to build grids of meshes."""
-    keys = ("triangles", "voxels", "processor_seconds_per_million", "megabytes_per_million")
-    heads = ["mesh", "triangles", "voxels", "processor seconds a million", "MB a million"]
+    keys = ("triangles", "voxels", "seconds_per_million", "processor_seconds_per_million", "megabytes_per_million")
+    heads = ["mesh", "triangles", "voxels", "seconds a million", "processor seconds a million", "MB a million"]
     return _with_command(result, table(heads, [[row["grid_of"], *(row[key] for key in keys)] for row in result.rows]))
 
 

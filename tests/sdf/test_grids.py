@@ -12,9 +12,12 @@ from sdf_lights import interruption
 from sdf_lights.emitter.tree import interior
 from sdf_lights.graph import codegen_glsl
 from sdf_lights.graph.functions import evaluate
-from sdf_lights.sdf.data import voxels
+from sdf_lights.jit import kernel
+from sdf_lights.sdf.data import boxes, voxels
+from sdf_lights.sdf.data.crossings import crossed, find_crossings
 from sdf_lights.sdf.data.grid import BLOCK, CORNERS, GRID, SIDE
-from sdf_lights.sdf.data.triangles import triangles, winding
+from sdf_lights.sdf.data.open_edges import open_edges
+from sdf_lights.sdf.data.triangles import nearest, triangles, winding
 from sdf_lights.sdf.data.voxels import GridError, mesh_grid
 from sdf_lights.sdf.shapes import Difference, Sphere
 from support import glsl, grids
@@ -22,6 +25,22 @@ from support.lamps.crossings import wrong_crossings
 from support.lamps.rays import Traced
 
 TORUS = grids.torus(0.7, 0.25, 64, 32)
+
+
+@kernel
+def _fill_windings(corners, moments, points, share, found):
+    for row in range(len(points)):
+        found[row] = winding(corners, moments, points[row, 0], points[row, 1], points[row, 2], share)
+
+
+def windings(mesh, points, share=1.0):
+    """Winding numbers around points (..., 3), from all triangles if the share is infinite."""
+    found = np.empty(points.shape[:-1])
+    moments = mesh.moments.copy()
+    if share == np.inf:  # parts without triangles have a negative radius
+        moments[:, 3], share = np.where(moments[:, 3] > 0.0, np.inf, moments[:, 3]), 1.0
+    _fill_windings(mesh.corners, moments, np.ascontiguousarray(points.reshape(-1, 3)), share, found.reshape(-1))
+    return found
 
 
 @pytest.fixture(scope="module")
@@ -101,23 +120,20 @@ def test_winding_numbers_count_crossing_and_doubled_faces():
     for shift in (0.0, 0.2):
         exact = np.hypot(np.hypot(points[:, 0] - shift, points[:, 1]) - 0.7, points[:, 2]) - 0.25
         expected, near = expected + (exact < 0.0), near | (np.abs(exact) < 0.01)
-    found = [winding(mesh.corners, mesh.nodes, mesh.moments, *point) for point in points]
-    np.testing.assert_allclose(np.array(found)[~near], expected[~near], atol=0.05)
+    found = windings(mesh, points)
+    np.testing.assert_allclose(found[~near], expected[~near], atol=0.05)
 
 
 def test_moments_of_far_triangles_stand_for_them():
     vertices, faces = TORUS
     mesh = triangles(vertices, faces[300:])
-    exact, dipoles = mesh.moments.copy(), mesh.moments.copy()
-    exact[:, 3] = np.where(exact[:, 3] > 0.0, np.inf, exact[:, 3])
+    dipoles = mesh.moments.copy()
     dipoles[:, 7:] = 0.0
     points = np.random.default_rng(2).uniform(-1.2, 1.2, (1000, 3))
-    found = [
-        np.array([winding(mesh.corners, mesh.nodes, moments, *point) for point in points])
-        for moments in (mesh.moments, exact, dipoles)
-    ]
-    errors, without = np.abs(found[0] - found[1]), np.abs(found[2] - found[1])
+    exact = windings(mesh, points, np.inf)
+    errors, without = (np.abs(windings(each, points) - exact) for each in (mesh, mesh._replace(moments=dipoles)))
     assert errors.max() < 0.05 and np.mean(errors) < 0.5 * np.mean(without)
+    assert np.abs(windings(mesh, points, voxels.ROUGH_SHARE) - exact).max() < voxels.ROUGH
 
 
 def _volume(shape):
@@ -151,6 +167,7 @@ def test_faulty_meshes_have_the_inside_that_is_meant(fault):
     [
         (np.zeros((3, 3)), np.zeros((0, 3), int), "no faces"),
         (np.zeros((3, 3)), [[0, 1, 2]], "no area"),
+        ([[0.1, 0.3, 0.7], [0.9, 0.77, 0.31]], [[0, 1, 1], [1, 0, 0]], "no area"),
         ([[0, 0, 0], [1, 0, 0], [0, np.nan, 0]], [[0, 1, 2]], "not a finite number"),
         ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], "no inside"),
     ],
@@ -266,17 +283,173 @@ def test_boxes_where_a_grid_has_one_sign_are_settled(ring):
     assert (bounds[0] <= 1e-8).all() and (bounds[1] >= -1e-8).all()
 
 
-@pytest.mark.parametrize("faults", ["closed", "open"])
-def test_points_near_others_wind_as_often(faults):
-    vertices, faces = TORUS if faults == "closed" else (TORUS[0], TORUS[1][150:])
-    mesh, size = triangles(vertices, faces), 2.0 / 48
-    builder = voxels._Builder(mesh, vertices.min(axis=0), vertices.max(axis=0), size)
-    starts = SIDE * np.random.default_rng(5).integers(0, builder.counts, (12, 3))
-    _, found = builder.measured(starts, CORNERS, 1.0, builder.band)
+def _box():
+    vertices = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
+    sides = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+    return vertices, np.array([[a, b, c] for p, q, r, s in sides for a, b, c in ((p, q, r), (p, r, s))])
+
+
+def _soup(mesh):
+    vertices, faces = mesh
+    return vertices[faces.ravel()], np.arange(faces.size).reshape(-1, 3)
+
+
+def _without(mesh, count):
+    vertices, faces = mesh
+    return vertices, np.delete(faces, np.random.default_rng(3).choice(len(faces), count, replace=False), axis=0)
+
+
+def _turned(mesh, part):
+    vertices, faces = mesh[0], mesh[1].copy()
+    faces[part] = faces[part, ::-1]
+    return vertices, faces
+
+
+def _cracked(mesh):
+    vertices, faces = _soup(mesh)
+    return vertices + np.random.default_rng(3).normal(size=vertices.shape) * 1e-3, faces
+
+
+HARD = {
+    "closed": TORUS,
+    "soup": _soup(TORUS),
+    "a hole": (TORUS[0], TORUS[1][150:]),
+    "holes": _without(TORUS, 150),
+    "a sieve": (TORUS[0], TORUS[1][: len(TORUS[1]) // 2]),
+    "cracked": _cracked(TORUS),
+    "a turned patch": _turned(TORUS, slice(300, 420)),
+    "turned": _turned(TORUS, slice(None)),
+    "doubled": (TORUS[0], np.concatenate([TORUS[1], TORUS[1][:700]])),
+    "overlapping": grids.joined(TORUS, (TORUS[0] + (0.2, 0.05, 0.0), TORUS[1]), _without(TORUS, 100)),
+    "overlapping, turned": grids.joined(TORUS, _turned((TORUS[0][:, [1, 2, 0]], TORUS[1]), slice(0, 900))),
+    "a wall with a hole": grids.joined(
+        (TORUS[0], TORUS[1][150:]), _turned((grids.torus(0.7, 0.2, 64, 32)[0], TORUS[1][150:]), slice(None))
+    ),
+    "five sheets with a hole": grids.joined(
+        *((grids.torus(0.7, minor, 64, 32)[0], TORUS[1][150:]) for minor in (0.29, 0.26, 0.23, 0.2, 0.17))
+    ),
+    "a box on the lattice": _box(),
+    "an open box": (_box()[0], _box()[1][2:]),
+    "thin sheets": (_box()[0] * (1.0, 1.0, 0.03), _box()[1]),
+    "thin sheets with holes": _without(grids.torus(0.7, 0.02, 64, 12), 60),
+    "scan": grids.scan(8_000),
+}
+
+
+def _lattices(vertices, faces, count):
+    """A builder, some of the blocks near the surface, and their points (n, CORNERS, CORNERS, CORNERS, 3)."""
+    builder = voxels._Builder(triangles(vertices, faces), vertices.min(axis=0), vertices.max(axis=0), 2.0 / 48)
+    blocks = np.stack(np.meshgrid(*map(np.arange, builder.counts), indexing="ij"), axis=-1).reshape(-1, 3)
+    blocks = builder.near_enough(blocks)
+    starts = SIDE * blocks[np.random.default_rng(5).permutation(len(blocks))[:count]]
     own = np.arange(CORNERS)
     places = np.stack(np.meshgrid(own, own, own, indexing="ij"), axis=-1)[..., ::-1]
-    points = builder.corner + size * (starts[:, None, None, None] + places)
-    exact = np.array([winding(*mesh[:3], *point) for point in points.reshape(-1, 3)]).reshape(found.shape)
-    judged = np.abs(np.abs(exact) - voxels.INSIDE) > 0.05
-    assert judged.mean() > 0.9 and (np.abs(exact) > 0.5).any()
+    return builder, starts, builder.corner + builder.size * (starts[:, None, None, None] + places)
+
+
+@pytest.mark.parametrize("name", HARD)
+def test_sides_are_those_of_the_winding_numbers_of_all_triangles(name):
+    builder, starts, points = _lattices(*HARD[name], 40)
+    distances, found = builder.measured(starts, CORNERS, 1.0, builder.band)
+    exact = windings(builder.mesh, points, np.inf)
+    # Beside a face, and where half of the sphere is covered, rounding and distant triangles decide.
+    judged = (np.abs(np.abs(exact) - voxels.INSIDE) > 0.04) & (distances > 1e-5 * builder.size)
+    assert judged.mean() > 0.85 and (np.abs(exact[judged]) > 0.5).any() and (np.abs(exact[judged]) < 0.5).any()
     np.testing.assert_array_equal((np.abs(found) > voxels.INSIDE)[judged], (np.abs(exact) > voxels.INSIDE)[judged])
+
+
+def _to_triangle(a, b, c, p):
+    """Ericson, Real-Time Collision Detection, section 5.1.5."""
+    u, v = b - a, c - a
+    d1, d2, d3, d4, d5, d6 = (q @ e for q in (p - a, p - b, p - c) for e in (u, v))
+    va, vb, vc = d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2
+    if d1 <= 0.0 and d2 <= 0.0:
+        s, t = 0.0, 0.0
+    elif d3 >= 0.0 and d4 <= d3:
+        s, t = 1.0, 0.0
+    elif d6 >= 0.0 and d5 <= d6:
+        s, t = 0.0, 1.0
+    elif vc <= 0.0 and d1 >= 0.0 and d3 <= 0.0:
+        s, t = d1 / (d1 - d3), 0.0
+    elif vb <= 0.0 and d2 >= 0.0 and d6 <= 0.0:
+        s, t = 0.0, d2 / (d2 - d6)
+    elif va <= 0.0 and d4 - d3 >= 0.0 and d5 - d6 >= 0.0:
+        t = (d4 - d3) / ((d4 - d3) + (d5 - d6))
+        s = 1.0 - t
+    else:
+        s, t = vb / (va + vb + vc), vc / (va + vb + vc)
+    return np.linalg.norm(p - a - s * u - t * v)
+
+
+@pytest.mark.parametrize("shape", ["ordinary", "thin", "one"])
+def test_distances_are_those_to_the_nearest_of_all_triangles(shape):
+    rng = np.random.default_rng(6)
+    found = rng.normal(size=(1 if shape == "one" else 150, 3, 3))
+    if shape == "thin":
+        found[:, 2] = 0.3 * found[:, 0] + 0.7 * found[:, 1] + rng.normal(size=(150, 3)) * 1e-9
+    mesh = triangles(found.reshape(-1, 3), np.arange(found[..., 0].size).reshape(-1, 3))
+    for point in rng.normal(size=(100, 3)):
+        exact = min(_to_triangle(*corners, point) for corners in found)
+        distance, leaf = nearest(mesh.corners, mesh.nodes, mesh.disks, *point, np.inf, len(mesh.corners) - 1)
+        assert distance == pytest.approx(exact, abs=1e-12) and 0 <= leaf < len(mesh.corners)
+        assert nearest(mesh.corners, mesh.nodes, mesh.disks, *point, 0.5 * exact, 0)[0] > 0.5 * exact
+
+
+@pytest.mark.parametrize("name", ["closed", "a hole", "scan"])
+def test_a_block_does_not_depend_on_others(name):
+    """Threads take blocks in any order."""
+    builder, starts, _ = _lattices(*HARD[name], 60)
+    together = builder.measured(starts, CORNERS, 1.0, builder.band)
+    turned = builder.measured(starts[::-1], CORNERS, 1.0, builder.band)
+    for first, second in zip(together, turned):
+        np.testing.assert_array_equal(np.minimum(first, builder.band), np.minimum(second[::-1], builder.band))
+
+
+def test_lines_cross_closed_meshes_as_often_as_winding_numbers_change():
+    for mesh, size in ((TORUS, 2.0 / 40), (_soup(TORUS), 2.0 / 40), (_box(), 1.0 / 8)):
+        tree, corner, aside = triangles(*mesh), np.array([-0.5, 0.0, -0.25]), size * np.array(voxels.ASIDE)
+        crossings = np.empty((3, CORNERS, CORNERS, CORNERS), np.int64)
+        find_crossings(tree.corners, tree.nodes, *(corner + aside), size, crossings)
+        places = np.random.default_rng(7).integers(0, CORNERS, (200, 2, 3))
+        exact = windings(tree, corner + aside + size * places[..., ::-1], np.inf)
+        found = [crossed(crossings, *first, *second) for first, second in places]
+        np.testing.assert_array_equal(found, np.round(exact[:, 1] - exact[:, 0]))
+        assert np.any(found)
+
+
+def test_open_edges_are_those_that_no_other_edge_balances():
+    assert not len(open_edges(*TORUS)) and not len(open_edges(*_soup(TORUS))) and not len(open_edges(*_box()))
+    vertices, faces = _box()
+    found = open_edges(vertices, faces[2:])
+    assert len(found) == 4 and (found[..., 0] == -0.5).all()
+    np.testing.assert_allclose((found[:, 1] - found[:, 0]).sum(axis=0), 0.0)
+    # A turned face counts twice at each of its edges, and one that is there again once.
+    assert len(open_edges(*_turned((vertices, faces), slice(0, 1)))) == 6
+    assert len(open_edges(vertices, np.concatenate([faces, faces[:1]]))) == 3
+    assert not len(open_edges(vertices, np.concatenate([faces, [[0, 1, 1]]])))
+
+
+@pytest.mark.parametrize("name", ["a hole", "a sieve", "scan"])
+def test_neighbours_differ_by_no_more_than_their_distance(name):
+    grid = mesh_grid(*HARD[name], 2.0 / 48)
+    values = grid.values.array.reshape(-1, CORNERS, CORNERS, CORNERS).astype(float)
+    for axis in (1, 2, 3):
+        assert np.abs(np.diff(values, axis=axis)).max() <= grid.voxel_size * (1.0 + 1e-6)
+
+
+@pytest.mark.parametrize("count", [1, 3, 4, 5, 1000])
+def test_a_tree_has_all_things_in_boxes_that_hold_them(count, monkeypatch):
+    low = np.random.default_rng(8).integers(0, 9, (count, 3)) / 8.0
+    high = low + 0.1
+    order, nodes = boxes.tree(low, high)
+    leaves = len(nodes) // 2
+    assert set(order) == set(range(count)) and len(order) == boxes.LEAF * leaves
+    for leaf in range(leaves):
+        own = order[boxes.LEAF * leaf : boxes.LEAF * (leaf + 1)]
+        np.testing.assert_array_equal(nodes[leaves + leaf], [*low[own].min(axis=0), *high[own].max(axis=0)])
+    for node in range(1, leaves):
+        children = nodes[2 * node : 2 * node + 2]
+        np.testing.assert_array_equal(nodes[node], [*children[:, :3].min(axis=0), *children[:, 3:].max(axis=0)])
+    monkeypatch.setattr(boxes, "LARGE", 8)
+    for first, second in zip(boxes.tree(low, high), (order, nodes)):
+        np.testing.assert_array_equal(first, second)

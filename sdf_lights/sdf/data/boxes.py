@@ -3,17 +3,18 @@
 """A tree of boxes around many small things.
 
 It is a complete binary tree: node i has the children 2i and 2i + 1, the leaves are nodes
-``leaves`` to 2 ``leaves`` − 1, and leaf j holds the ``LEAF`` things from ``LEAF`` j on. So it has no pointers, and
-NumPy builds it in one pass for each level: each box is divided across its longest side, with as many things in one half
-as in the other.
+``leaves`` to 2 ``leaves`` − 1, and leaf j holds the ``LEAF`` things from ``LEAF`` j on. So it has no pointers. Each
+box is divided across its longest side, with as many things in one half as in the other.
 """
 
 from __future__ import annotations
 
-import functools
+import math
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
+
+from ...jit import kernel
 
 LEAF = 4  # things of a leaf
 LARGE = 1 << 15  # things for which two threads take less time than one
@@ -28,45 +29,79 @@ def tree(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     n, dimensions = low.shape
     leaves = 1 << (-(-n // LEAF) - 1).bit_length()
     order = np.arange(LEAF * leaves) * n // (LEAF * leaves)
-    # One axis after the other, as numbers that lie together are compared several times as fast.
-    middles = np.ascontiguousarray(0.5 * (low + high).T)
+    middles, along = 0.5 * (low + high), np.empty(len(order))
     if n < LARGE:
-        order = _divided(order, middles, 1, leaves)
+        _divide(order, along, middles, leaves)
     else:
-        halves = _divided(order, middles, 1, 2).reshape(2, -1)
-        with ThreadPoolExecutor(2) as pool:  # NumPy's partition lets another thread run
-            order = np.concatenate(list(pool.map(lambda half: _divided(half, middles, 1, leaves // 2), halves)))
+        _divide(order, along, middles, 2)
+        with ThreadPoolExecutor(2) as pool:
+            halves = zip(order.reshape(2, -1), along.reshape(2, -1))
+            list(pool.map(lambda half: _divide(*half, middles, leaves // 2), halves))
     nodes = np.zeros((2 * leaves, 2 * dimensions))
-    nodes[leaves:, :dimensions] = functools.reduce(np.minimum, (low[order[k::LEAF]] for k in range(LEAF)))
-    nodes[leaves:, dimensions:] = functools.reduce(np.maximum, (high[order[k::LEAF]] for k in range(LEAF)))
-    level = leaves
-    while level > 1:
-        first, second = nodes[level : 2 * level : 2], nodes[level + 1 : 2 * level : 2]
-        level //= 2
-        nodes[level : 2 * level, :dimensions] = np.minimum(first[:, :dimensions], second[:, :dimensions])
-        nodes[level : 2 * level, dimensions:] = np.maximum(first[:, dimensions:], second[:, dimensions:])
+    _enclose(order, np.ascontiguousarray(low), np.ascontiguousarray(high), nodes)
     return order, nodes
 
 
-def _divided(order: np.ndarray, middles: np.ndarray, parts: int, most: int) -> np.ndarray:
-    """Divide each of so many ``parts`` of an order in two, until there are ``most``. ``middles`` (k, n) are those of
-    the boxes."""
-    while parts < most:
-        blocks = order.reshape(parts, -1)
-        points = middles[:, blocks]
-        axes = np.argmax(_of_rows(np.maximum, points) - _of_rows(np.minimum, points), axis=0)
-        along = points[axes, np.arange(parts)]
-        halves = np.argpartition(along, blocks.shape[1] // 2, axis=1)
-        order = np.take_along_axis(blocks, halves, axis=1).ravel()
-        parts *= 2
-    return order
+@kernel
+def _divide(order, along, middles, parts):
+    """Sort an order of things into so many ``parts``, by halves. ``middles`` (n, k) are those of the boxes, ``along``
+    is as long as the order, for use here."""
+    size = len(order)
+    while size > len(order) // parts:
+        for first in range(0, len(order), size):
+            axis, widest = 0, -1.0
+            for k in range(middles.shape[1]):
+                least, most = math.inf, -math.inf
+                for at in range(first, first + size):
+                    place = middles[order[at], k]
+                    least, most = min(least, place), max(most, place)
+                if most - least > widest:
+                    axis, widest = k, most - least
+            for at in range(first, first + size):
+                along[at] = middles[order[at], axis]
+            _halve(order, along, first, first + size - 1, first + size // 2)
+        size //= 2
 
 
-def _of_rows(better: np.ufunc, values: np.ndarray) -> np.ndarray:
-    """The greatest or least values (…) of rows (…, 2ᵏ), by halves: NumPy is slow for many short rows."""
-    while values.shape[-1] > 1:
-        values = better(values[..., ::2], values[..., 1::2])
-    return values[..., 0]
+@kernel
+def _halve(order, along, low, high, middle):
+    """Exchange things from ``low`` to ``high`` until none before ``middle`` is greater than any from it on (Hoare
+    1961)."""
+    while low < high:
+        a, b, c = along[low], along[(low + high) // 2], along[high]
+        pivot = max(min(a, b), min(max(a, b), c))
+        i, j = low, high
+        while i <= j:
+            while along[i] < pivot:
+                i += 1
+            while along[j] > pivot:
+                j -= 1
+            if i <= j:
+                along[i], along[j] = along[j], along[i]
+                order[i], order[j] = order[j], order[i]
+                i, j = i + 1, j - 1
+        if middle <= j:
+            high = j
+        elif middle >= i:
+            low = i
+        else:
+            return
+
+
+@kernel
+def _enclose(order, low, high, nodes):
+    """Fill the boxes of nodes 1 to 2 leaves − 1."""
+    leaves, dimensions = len(nodes) // 2, low.shape[1]
+    for node in range(2 * leaves - 1, 0, -1):
+        for k in range(dimensions):
+            least, most = math.inf, -math.inf
+            if node < leaves:
+                for child in range(2 * node, 2 * node + 2):
+                    least, most = min(least, nodes[child, k]), max(most, nodes[child, dimensions + k])
+            else:
+                for place in range(LEAF * (node - leaves), LEAF * (node - leaves + 1)):
+                    least, most = min(least, low[order[place], k]), max(most, high[order[place], k])
+            nodes[node, k], nodes[node, dimensions + k] = least, most
 
 
 def descent(distance: str, size: int, point: str) -> str:

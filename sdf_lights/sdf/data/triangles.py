@@ -10,63 +10,176 @@ and Jacobson 2018).
 from __future__ import annotations
 
 import math
+from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
 import numpy as np
 
 from ...jit import kernel, stack_array
 from . import boxes
+from .open_edges import open_edges
 
 FAR = 2.5  # radii of a part, from which on its moments stand for it: errors of some hundredths of a winding at most
+NO_AREA = 1e-32  # squares of areas over those of edges that are not distinct from rounding
 SLACK = 1.0 + 1e-9  # of what is searched, so that rounding leaves the nearest triangle in it
 
 
 class Triangles(NamedTuple):
-    """Triangles in the order of a tree (see ``boxes.tree``), without those that have no area."""
+    """Triangles in the order of a tree (see ``boxes.tree``), without those that have no area.
 
-    corners: np.ndarray  # (LEAF · leaves, 10): three corners, and 1, or 0 of a triangle that is there again
-    nodes: np.ndarray  # (2 leaves, 6)
+    Four triangles of a leaf, and four nodes, are lanes of the processor's vectors: they are last in these arrays. Row n
+    of ``nodes`` and ``moments`` has the nodes 4 n to 4 n + 3, the grandchildren of node n.
+    """
+
+    corners: np.ndarray
+    """(leaves, 14, LEAF): three corners; 1, or 0 of a triangle that is there again; one over the squares of the edges
+    from the first corner to the second and third, of that between these, and of twice the area."""
+    nodes: np.ndarray  # (leaves / 2, 6, 4): boxes
     moments: np.ndarray
-    """(2 leaves, 13) of the nodes: the centre, the square of ``FAR`` radii, the sum of areas times normals, and xx, xy, xz, yy,
+    """(leaves / 2, 13, 4): the centre, the square of ``FAR`` radii, the sum of areas times normals, and xx, xy, xz, yy,
     yz, zz of the symmetric part, without trace, of the sum of places from the centre times areas times normals."""
-    closed: bool  # whether each edge has as many triangles on one side as on the other
+    disks: np.ndarray
+    """(leaves / 4, 8, 4): what encloses a leaf more closely, as it is nearly flat: a cylinder's middle, axis, half
+    height and radius. Row n is for the leaves 4 n to 4 n + 3."""
+    rim: np.ndarray  # open edges as triangles without area, like ``corners``; there may be none
+    rim_nodes: np.ndarray  # their boxes, like ``nodes``
+    rim_disks: np.ndarray  # like ``disks``
 
 
 def triangles(vertices: np.ndarray, faces: np.ndarray) -> Triangles:
     """The tree of a mesh with vertices (n, 3) and triangles (m, 3). Raises ValueError if no triangle has an area."""
-    found = vertices[faces].astype(np.float64)
-    normals = 0.5 * np.cross(found[:, 1] - found[:, 0], found[:, 2] - found[:, 0])
-    areas = np.linalg.norm(normals, axis=1)
-    kept = areas > 0.0
-    if not kept.any():
+    vertices = np.ascontiguousarray(vertices, np.float64)
+    with ThreadPoolExecutor(1) as pool:  # kernels let another thread run
+        rim = pool.submit(_rim, vertices, faces)
+        corners, normals, nodes = _in_a_tree(vertices, faces, True)
+        moments = np.empty((len(nodes), 13))
+        _find_moments(corners, normals, nodes, np.zeros((len(nodes), 16)), moments)
+        return Triangles(corners, _in_lanes(nodes), _in_lanes(moments), _disks(corners), *rim.result())
+
+
+def _rim(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The last fields of ``Triangles``."""
+    edges = open_edges(vertices, faces)
+    if not len(edges):
+        return np.empty((0, 14, boxes.LEAF)), np.empty((0, 6, 4)), np.empty((0, 8, 4))
+    rim, _, nodes = _in_a_tree(edges.reshape(-1, 3), 2 * np.arange(len(edges))[:, None] + [0, 1, 0], False)
+    return rim, _in_lanes(nodes), _disks(rim)
+
+
+def _in_a_tree(vertices: np.ndarray, faces: np.ndarray, with_area: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """``corners`` of ``Triangles``, of all triangles or those ``with_area``; normals (LEAF · leaves, 3) as long as
+    areas, and the boxes of nodes (2 leaves, 6)."""
+    found = np.empty((len(faces), 3, 3))
+    normals, low, high = (np.empty((len(faces), 3)) for _ in range(3))
+    count = _gather(vertices, np.ascontiguousarray(faces, np.int64), with_area, found, normals, low, high)
+    if not count:
         raise ValueError("no triangle has an area")
-    closed = bool(kept.all()) and _is_closed(faces)
-    found, normals = found[kept], normals[kept]
-    order, nodes = boxes.tree(found.min(axis=1), found.max(axis=1))
-    leaves = len(nodes) // 2
-    once = np.zeros(len(order))
-    once[np.unique(order, return_index=True)[1]] = 1.0  # a triangle that is there again has no weight
-    corners = np.column_stack([found[order].reshape(-1, 9), once])
-    moments = np.empty((2 * leaves, 13))
-    _find_moments(corners, normals[order], nodes, np.zeros((2 * leaves, 16)), moments)
-    return Triangles(corners, nodes, moments, closed)
+    order, nodes = boxes.tree(low[:count], high[:count])
+    corners = np.empty((len(order) // boxes.LEAF, 14, boxes.LEAF))
+    _find_corners(found, normals, order, np.ones(count), corners)
+    return corners, normals[order], nodes
+
+
+@kernel
+def _gather(vertices, faces, with_area, found, normals, low, high):
+    """Fill corners (n, 3, 3), normals as long as areas, and boxes of triangles; their number."""
+    count = 0
+    for row in range(len(faces)):
+        for i in range(3):
+            a, b, c = vertices[faces[row, 0], i], vertices[faces[row, 1], i], vertices[faces[row, 2], i]
+            found[count, 0, i], found[count, 1, i], found[count, 2, i] = a, b, c
+            low[count, i], high[count, i] = min(min(a, b), c), max(max(a, b), c)
+        own, area, uu, vv = found[count], 0.0, 0.0, 0.0
+        for i in range(3):
+            j, k = (i + 1) % 3, (i + 2) % 3
+            normals[count, i] = 0.5 * (own[1, j] - own[0, j]) * (own[2, k] - own[0, k])
+            normals[count, i] -= 0.5 * (own[1, k] - own[0, k]) * (own[2, j] - own[0, j])
+            area += normals[count, i] * normals[count, i]
+            uu += (own[1, i] - own[0, i]) * (own[1, i] - own[0, i])
+            vv += (own[2, i] - own[0, i]) * (own[2, i] - own[0, i])
+        if not with_area or area > NO_AREA * uu * vv:
+            count += 1
+    return count
+
+
+def _disks(corners: np.ndarray) -> np.ndarray:
+    rows = np.empty((len(corners), 8))
+    _find_disks(corners, rows)
+    return _in_lanes(rows)
+
+
+def _in_lanes(rows: np.ndarray) -> np.ndarray:
+    """Rows (n, k) of nodes as (n / 4, k, 4)."""
+    whole = 4 * (len(rows) // 4)
+    return np.ascontiguousarray(rows[:whole].reshape(whole // 4, 4, rows.shape[1]).transpose(0, 2, 1))
+
+
+@kernel
+def _find_corners(found, normals, order, once, corners):
+    """Fill ``corners`` of ``Triangles``. ``once`` has a 1 for each triangle."""
+    for row in range(len(order)):
+        own, leaf, t, squares = order[row], row // boxes.LEAF, row % boxes.LEAF, stack_array(4)
+        squares[0], squares[1], squares[2], squares[3] = 0.0, 0.0, 0.0, 0.0
+        for i in range(3):
+            a, b, c = found[own, 0, i], found[own, 1, i], found[own, 2, i]
+            corners[leaf, i, t], corners[leaf, 3 + i, t], corners[leaf, 6 + i, t] = a, b, c
+            squares[0] += (b - a) * (b - a)
+            squares[1] += (c - a) * (c - a)
+            squares[2] += (c - b) * (c - b)
+            squares[3] += 4.0 * normals[own, i] * normals[own, i]
+        for i in range(4):
+            inverse = 1.0 / squares[i]
+            # Where there is no length, the foot of a perpendicular is the edge's first end.
+            corners[leaf, 10 + i, t] = inverse if inverse < 1e300 else 0.0
+        corners[leaf, 9, t], once[own] = once[own], 0.0  # one that is there again has no weight
+
+
+@kernel
+def _find_disks(corners, disks):
+    """``disks`` (leaves, 8) of ``Triangles``. The axis is that of the sum of the normals; without one, the cylinder is
+    a ball."""
+    low, high, axis = stack_array(3), stack_array(3), stack_array(3)
+    for leaf in range(len(corners)):
+        own, disk = corners[leaf], disks[leaf]
+        for i in range(3):
+            low[i], high[i], axis[i] = math.inf, -math.inf, 0.0
+        for t in range(boxes.LEAF):
+            for i in range(3):
+                j, k = (i + 1) % 3, (i + 2) % 3
+                axis[i] += (own[3 + j, t] - own[j, t]) * (own[6 + k, t] - own[k, t])
+                axis[i] -= (own[3 + k, t] - own[k, t]) * (own[6 + j, t] - own[j, t])
+                for corner in range(3):
+                    place = own[3 * corner + i, t]
+                    low[i], high[i] = min(low[i], place), max(high[i], place)
+        length = math.sqrt(axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2])
+        for i in range(3):
+            disk[i], disk[3 + i] = 0.5 * (low[i] + high[i]), axis[i] / length if length > 0.0 else 0.0
+        height, radius = 0.0, 0.0
+        for t in range(boxes.LEAF):
+            for corner in range(3):
+                along, square = 0.0, 0.0
+                for i in range(3):
+                    d = own[3 * corner + i, t] - disk[i]
+                    along, square = along + d * disk[3 + i], square + d * d
+                height, radius = max(height, abs(along)), max(radius, square - along * along)
+        disk[6], disk[7] = height, math.sqrt(radius)
 
 
 @kernel
 def _find_moments(corners, normals, nodes, sums, moments):
-    """Fill ``moments`` of ``Triangles``. ``normals`` (LEAF · leaves, 3) are as long as the areas of the triangles.
-    ``sums`` (2 leaves, 16), zero, is for each node the area; area times centre; area times normal; and centre times
-    area times normal."""
+    """Moments (2 leaves, 13) of the nodes (2 leaves, 6). ``normals`` (LEAF · leaves, 3) are as long as the areas of the
+    triangles. ``sums`` (2 leaves, 16), zero, is for each node the area; area times centre; area times normal; and
+    centre times area times normal."""
     leaves = len(nodes) // 2
-    for row in range(len(corners)):
-        if corners[row, 9] == 0.0:
+    for row in range(len(normals)):
+        leaf, t = row // boxes.LEAF, row % boxes.LEAF
+        if corners[leaf, 9, t] == 0.0:
             continue
-        into = sums[leaves + row // boxes.LEAF]
-        a, b, c, flux = corners[row, 0:3], corners[row, 3:6], corners[row, 6:9], normals[row]
+        into, own, flux = sums[leaves + leaf], corners[leaf], normals[row]
         area = math.sqrt(flux[0] * flux[0] + flux[1] * flux[1] + flux[2] * flux[2])
         into[0] += area
         for i in range(3):
-            place = (a[i] + b[i] + c[i]) / 3.0
+            place = (own[i, t] + own[3 + i, t] + own[6 + i, t]) / 3.0
             into[1 + i] += area * place
             into[4 + i] += flux[i]
             for j in range(3):
@@ -91,139 +204,171 @@ def _find_moments(corners, normals, nodes, sums, moments):
                 place += 1
 
 
-def _is_closed(faces: np.ndarray) -> bool:
-    ends = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]).astype(np.int64)
-    low, high = ends.min(axis=1), ends.max(axis=1)
-    _, edges = np.unique(low * (int(ends.max()) + 1) + high, return_inverse=True)
-    return not np.bincount(edges.ravel(), np.where(ends[:, 0] == low, 1.0, -1.0)).any()
-
-
-@kernel
-def _to_box(nodes, node, x, y, z):
-    """Square of the distance to a node's box."""
-    dx = max(max(nodes[node, 0] - x, x - nodes[node, 3]), 0.0)
-    dy = max(max(nodes[node, 1] - y, y - nodes[node, 4]), 0.0)
-    dz = max(max(nodes[node, 2] - z, z - nodes[node, 5]), 0.0)
-    return dx * dx + dy * dy + dz * dz
-
-
-@kernel
-def _to_triangle(corners, row, x, y, z):
-    """Square of the distance to a triangle (Ericson, Real-Time Collision Detection, section 5.1.5)."""
-    ax, ay, az = corners[row, 0], corners[row, 1], corners[row, 2]
-    ux, uy, uz = corners[row, 3] - ax, corners[row, 4] - ay, corners[row, 5] - az
-    vx, vy, vz = corners[row, 6] - ax, corners[row, 7] - ay, corners[row, 8] - az
-    px, py, pz = x - ax, y - ay, z - az
-    d1, d2 = ux * px + uy * py + uz * pz, vx * px + vy * py + vz * pz
-    uu, uv, vv = ux * ux + uy * uy + uz * uz, ux * vx + uy * vy + uz * vz, vx * vx + vy * vy + vz * vz
-    d3, d4, d5, d6 = d1 - uu, d2 - uv, d1 - uv, d2 - vv
-    va, vb, vc = d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2
-    if d1 <= 0.0 and d2 <= 0.0:
-        s, t = 0.0, 0.0
-    elif d3 >= 0.0 and d4 <= d3:
-        s, t = 1.0, 0.0
-    elif d6 >= 0.0 and d5 <= d6:
-        s, t = 0.0, 1.0
-    elif vc <= 0.0 and d1 >= 0.0 and d3 <= 0.0:
-        s, t = d1 / (d1 - d3), 0.0
-    elif vb <= 0.0 and d2 >= 0.0 and d6 <= 0.0:
-        s, t = 0.0, d2 / (d2 - d6)
-    elif va <= 0.0 and d4 - d3 >= 0.0 and d5 - d6 >= 0.0:
-        t = (d4 - d3) / ((d4 - d3) + (d5 - d6))
-        s = 1.0 - t
-    else:
-        whole = va + vb + vc
-        s, t = vb / whole, vc / whole
-    px, py, pz = px - s * ux - t * vx, py - s * uy - t * vy, pz - s * uz - t * vz
-    return px * px + py * py + pz * pz
-
-
-@kernel
-def nearest(corners, nodes, x, y, z, most, guess):
-    """Distance to the nearest triangle, and its row; the distance is above ``most`` where none is as near.
-
-    ``guess`` is the row of a triangle that may be near.
-    """
-    stack = stack_array(96)
-    leaves = len(nodes) // 2
-    best, found = _to_triangle(corners, guess, x, y, z), guess
-    if best > most * most:
-        best = most * most * 1.000001
-    depth, node = 0, 1
-    distance = _to_box(nodes, 1, x, y, z)
-    while True:
-        if distance < best * SLACK:
-            if node < leaves:
-                near, far = 2 * node, 2 * node + 1
-                d_near, d_far = _to_box(nodes, near, x, y, z), _to_box(nodes, far, x, y, z)
-                if d_far < d_near:
-                    near, far, d_near, d_far = far, near, d_far, d_near
-                if d_far < best * SLACK:
-                    stack[depth], stack[depth + 1] = far, d_far
-                    depth += 2
-                node, distance = near, d_near
-                continue
-            row = 4 * (node - leaves)
-            for index in range(row, row + 4):
-                square = _to_triangle(corners, index, x, y, z)
-                if square < best:
-                    best, found = square, index
-        if depth == 0:
-            return math.sqrt(best), found
-        depth -= 2
-        node, distance = int(stack[depth]), stack[depth + 1]
+@kernel(forceinline=True)
+def _to_boxes(nodes, row, x, y, z, squares):
+    """Squares of the distances to the boxes of four nodes."""
+    for t in range(4):
+        dx = max(max(nodes[row, 0, t] - x, x - nodes[row, 3, t]), 0.0)
+        dy = max(max(nodes[row, 1, t] - y, y - nodes[row, 4, t]), 0.0)
+        dz = max(max(nodes[row, 2, t] - z, z - nodes[row, 5, t]), 0.0)
+        squares[t] = dx * dx + dy * dy + dz * dz
 
 
 @kernel(forceinline=True)
-def _angle(corners, row, x, y, z):
-    """A complex number, as two, whose phase is half of the solid angle of a triangle, with the sign of its side
-    (Van Oosterom and Strackee 1983)."""
-    ax, ay, az = corners[row, 0] - x, corners[row, 1] - y, corners[row, 2] - z
-    bx, by, bz = corners[row, 3] - x, corners[row, 4] - y, corners[row, 5] - z
-    cx, cy, cz = corners[row, 6] - x, corners[row, 7] - y, corners[row, 8] - z
-    a = math.sqrt(ax * ax + ay * ay + az * az)
-    b = math.sqrt(bx * bx + by * by + bz * bz)
-    c = math.sqrt(cx * cx + cy * cy + cz * cz)
-    volume = ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)
-    rest = a * b * c
-    rest += (ax * bx + ay * by + az * bz) * c + (bx * cx + by * cy + bz * cz) * a + (cx * ax + cy * ay + cz * az) * b
-    return rest, volume
+def _to_disks(disks, row, x, y, z, squares):
+    """Squares of the distances to the cylinders of four leaves, where these are greater than ``squares``."""
+    for t in range(4):
+        dx, dy, dz = x - disks[row, 0, t], y - disks[row, 1, t], z - disks[row, 2, t]
+        along = dx * disks[row, 3, t] + dy * disks[row, 4, t] + dz * disks[row, 5, t]
+        across = math.sqrt(max(dx * dx + dy * dy + dz * dz - along * along, 0.0))
+        above, beside = max(abs(along) - disks[row, 6, t], 0.0), max(across - disks[row, 7, t], 0.0)
+        squares[t] = max(squares[t], above * above + beside * beside)
+
+
+@kernel(forceinline=True)
+def _to_leaf(corners, leaf, x, y, z, squares):
+    """Squares of the distances to four triangles: each the least of those to the edges, and to the plane if the foot of
+    the perpendicular is within. So rounding in a thin triangle leaves the distance to one of its points."""
+    for t in range(4):
+        ax, ay, az = corners[leaf, 0, t], corners[leaf, 1, t], corners[leaf, 2, t]
+        ux, uy, uz = corners[leaf, 3, t] - ax, corners[leaf, 4, t] - ay, corners[leaf, 5, t] - az
+        vx, vy, vz = corners[leaf, 6, t] - ax, corners[leaf, 7, t] - ay, corners[leaf, 8, t] - az
+        px, py, pz = x - ax, y - ay, z - az
+        pu, pv = px * ux + py * uy + pz * uz, px * vx + py * vy + pz * vz
+        uu, uv, vv = ux * ux + uy * uy + uz * uz, ux * vx + uy * vy + uz * vz, vx * vx + vy * vy + vz * vz
+        s = min(max(pu * corners[leaf, 10, t], 0.0), 1.0)
+        dx, dy, dz = px - s * ux, py - s * uy, pz - s * uz
+        square = dx * dx + dy * dy + dz * dz
+        s = min(max(pv * corners[leaf, 11, t], 0.0), 1.0)
+        dx, dy, dz = px - s * vx, py - s * vy, pz - s * vz
+        square = min(square, dx * dx + dy * dy + dz * dz)
+        s = min(max((pv - pu + uu - uv) * corners[leaf, 12, t], 0.0), 1.0)
+        dx, dy, dz = px - ux - s * (vx - ux), py - uy - s * (vy - uy), pz - uz - s * (vz - uz)
+        square = min(square, dx * dx + dy * dy + dz * dz)
+        s, r = (vv * pu - uv * pv) * corners[leaf, 13, t], (uu * pv - uv * pu) * corners[leaf, 13, t]
+        dx, dy, dz = px - s * ux - r * vx, py - s * uy - r * vy, pz - s * uz - r * vz
+        plane = dx * dx + dy * dy + dz * dz
+        squares[t] = min(square, plane) if min(min(s, r), 1.0 - s - r) >= 0.0 else square
+
+
+@kernel(forceinline=True)
+def begin(leaves, stack, step):
+    """Put the first nodes, of whose grandchildren all others are, on a stack with ``step`` numbers for each; how many
+    numbers that are."""
+    levels, left = 0, leaves
+    while left > 1:
+        left //= 2
+        levels += 1
+    if levels % 2 == 0:
+        stack[0] = 1.0
+        return step
+    stack[0], stack[step] = 3.0, 2.0
+    return 2 * step
 
 
 @kernel
-def winding(corners, nodes, moments, x, y, z):
-    """How often the triangles wind around a point."""
-    stack = stack_array(96)
-    leaves = len(nodes) // 2
-    stack[0] = 1.0
-    depth, total = 1, 0.0
+def nearest(corners, nodes, disks, x, y, z, most, guess):
+    """Distance to the nearest triangle, and its leaf; the distance is above ``most`` where none is as near.
+
+    ``guess`` is a leaf that may be near.
+    """
+    stack, squares = stack_array(192), stack_array(4)
+    leaves = len(corners)
+    best, found = most * most * 1.000001, guess
+    _to_leaf(corners, guess, x, y, z, squares)
+    for t in range(4):
+        best = min(best, squares[t])
+    depth = begin(leaves, stack, 2)
+    stack[1], stack[3] = 0.0, 0.0
+    while depth > 0:
+        depth -= 2
+        if not stack[depth + 1] < best * SLACK:
+            continue
+        node = int(stack[depth])
+        if node < leaves:
+            _to_boxes(nodes, node, x, y, z, squares)
+            if 4 * node >= leaves:
+                _to_disks(disks, node - leaves // 4, x, y, z, squares)
+            first = depth
+            for t in range(4):
+                square = squares[t]
+                if square < best * SLACK:
+                    # The nearest one is on top.
+                    at = depth
+                    while at > first and stack[at - 1] < square:
+                        stack[at], stack[at + 1] = stack[at - 2], stack[at - 1]
+                        at -= 2
+                    stack[at], stack[at + 1] = 4 * node + t, square
+                    depth += 2
+        else:
+            _to_leaf(corners, node - leaves, x, y, z, squares)
+            for t in range(4):
+                if squares[t] < best:
+                    best, found = squares[t], node - leaves
+    return math.sqrt(best), found
+
+
+@kernel(forceinline=True)
+def _angles(corners, leaf, x, y, z, real, imaginary):
+    """For each of four triangles a complex number, whose phase is half of its solid angle, with the sign of its side
+    (Van Oosterom and Strackee 1983)."""
+    for t in range(4):
+        ax, ay, az = corners[leaf, 0, t] - x, corners[leaf, 1, t] - y, corners[leaf, 2, t] - z
+        bx, by, bz = corners[leaf, 3, t] - x, corners[leaf, 4, t] - y, corners[leaf, 5, t] - z
+        cx, cy, cz = corners[leaf, 6, t] - x, corners[leaf, 7, t] - y, corners[leaf, 8, t] - z
+        a = math.sqrt(ax * ax + ay * ay + az * az)
+        b = math.sqrt(bx * bx + by * by + bz * bz)
+        c = math.sqrt(cx * cx + cy * cy + cz * cz)
+        volume = ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)
+        rest = a * b * c
+        rest += (
+            (ax * bx + ay * by + az * bz) * c + (bx * cx + by * cy + bz * cz) * a + (cx * ax + cy * ay + cz * az) * b
+        )
+        weight = corners[leaf, 9, t]
+        real[t], imaginary[t] = rest * weight + (1.0 - weight), volume * weight
+
+
+@kernel(forceinline=True)
+def _far_parts(moments, row, x, y, z, share, parts, near):
+    """For each of four nodes 4 π times how often it winds around a point, and whether it is too near for that (1)."""
+    for t in range(4):
+        dx, dy, dz = moments[row, 0, t] - x, moments[row, 1, t] - y, moments[row, 2, t] - z
+        square, reach = dx * dx + dy * dy + dz * dz, moments[row, 3, t]
+        flux = dx * moments[row, 4, t] + dy * moments[row, 5, t] + dz * moments[row, 6, t]
+        second = dx * (dx * moments[row, 7, t] + 2.0 * (dy * moments[row, 8, t] + dz * moments[row, 9, t]))
+        second += dy * (dy * moments[row, 10, t] + 2.0 * dz * moments[row, 11, t]) + dz * dz * moments[row, 12, t]
+        part = (flux * square - 3.0 * second) / (square * square * math.sqrt(square))
+        is_far = square > share * reach
+        parts[t] = part if is_far and reach >= 0.0 else 0.0
+        near[t] = 0.0 if is_far else 1.0
+
+
+@kernel
+def winding(corners, moments, x, y, z, share):
+    """How often the triangles wind around a point. Moments stand for nodes from a ``share`` of the square of ``FAR``
+    radii on."""
+    stack, first, second = stack_array(96), stack_array(4), stack_array(4)
+    leaves = len(corners)
+    depth, total = begin(leaves, stack, 1), 0.0
     while depth > 0:
         depth -= 1
         node = int(stack[depth])
-        reach = moments[node, 3]
-        if reach < 0.0:
-            continue
-        dx, dy, dz = moments[node, 0] - x, moments[node, 1] - y, moments[node, 2] - z
-        square = dx * dx + dy * dy + dz * dz
-        if square > reach:
-            flux = dx * moments[node, 4] + dy * moments[node, 5] + dz * moments[node, 6]
-            second = dx * (dx * moments[node, 7] + 2.0 * (dy * moments[node, 8] + dz * moments[node, 9]))
-            second += dy * (dy * moments[node, 10] + 2.0 * dz * moments[node, 11]) + dz * dz * moments[node, 12]
-            total += 0.5 * (flux - 3.0 * second / square) / (square * math.sqrt(square))
-        elif node < leaves:
-            stack[depth], stack[depth + 1] = 2 * node, 2 * node + 1
-            depth += 2
+        if node < leaves:
+            _far_parts(moments, node, x, y, z, share, first, second)
+            for t in range(4):
+                total += 0.5 * first[t]
+                if second[t] > 0.0:
+                    stack[depth] = 4 * node + t
+                    depth += 1
         else:
-            row = 4 * (node - leaves)
+            _angles(corners, node - leaves, x, y, z, first, second)
             real, imaginary = 1.0, 0.0
-            for index in range(row, row + 4):
-                if corners[index, 9] > 0.0:
-                    rest, volume = _angle(corners, index, x, y, z)
-                    # The phases of four such small ones, as of most, add up within half a turn.
-                    if rest > abs(volume):
-                        slope = volume / rest
-                        real, imaginary = real - imaginary * slope, real * slope + imaginary
-                    else:
-                        total += math.atan2(volume, rest)
+            for t in range(4):
+                # The phases of four such small ones, as of most, add up within half a turn.
+                if first[t] > abs(second[t]):
+                    slope = second[t] / first[t]
+                    real, imaginary = real - imaginary * slope, real * slope + imaginary
+                else:
+                    total += math.atan2(second[t], first[t])
             total += math.atan2(imaginary, real)
     return total / (2.0 * math.pi)
