@@ -12,6 +12,7 @@ import pytest
 from sdf_lights import jit
 from sdf_lights.render import session
 from sdf_lights.render.cpu import light_path_pilot as pilot
+from sdf_lights.render.cpu import light_paths
 from sdf_lights.render.film import Film
 from sdf_lights.render.lights.area import AreaLight
 from sdf_lights.render.lights.point import PointLight, SpotLight
@@ -40,17 +41,19 @@ def picture(lamp_paths: LampPaths, build=cove, size=SIZE, change=lambda scene: N
 
 
 @pytest.mark.parametrize(
-    "changes",
+    ("changes", "connections"),
     [
-        dict(),
-        dict(max_bounces=12, diffuse_bounces=2, glossy_bounces=1, transmission_bounces=1, transparent_bounces=1),
+        (dict(), 1),
+        (dict(), 4),
+        (dict(max_bounces=12, diffuse_bounces=2, glossy_bounces=1, transmission_bounces=1, transparent_bounces=1), 4),
     ],
-    ids=["plain", "tight limits"],
+    ids=["one connection", "plain", "tight limits"],
 )
-def test_light_paths_change_the_noise_alone(changes):
+def test_light_paths_change_the_noise_alone(changes, connections, monkeypatch):
     """Means of the whole and of blocks over 24 renders each agree within 4.5 standard errors: by chance, one set of
     seeds in a hundred would not. Both have the same numbers of samples and branches: else the noise alone would not
     tell."""
+    monkeypatch.setattr(light_paths, "CONNECTIONS", connections)
     fixed = dict(samples=16, indirect_paths=4, guided_samples=False) | changes
     found = [np.array([picture(each, seed=seed, **fixed) for seed in range(24)]) for each in (WITHOUT, ALWAYS)]
     for one, other in zip(*(means(each) for each in found)):

@@ -1,8 +1,9 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether light paths pay: two samples of a few pixels without them are compared with two samples with them.
+"""Whether light paths pay: two samples of a few pixels without them are compared with two samples with them, for each
+number of connections that is tried.
 
-Both are compared by the product of error and time, each with the best number of branches for it: with connections,
+They are compared by the product of error and time, each with the best number of branches for it: with connections,
 paths need fewer. Time is counted in surfaces that rays meet, as in ``sample_allocation.py``. It is never measured, so a
 seed gives one picture on all machines. The pilots have films of their own, so the picture without light paths is as if
 they had never been there.
@@ -17,10 +18,11 @@ from ..film import Film
 from ..sample_allocation import golden_ratio_sequence, own_cost
 from .light_paths import LightPaths
 
+CONNECTIONS = 1, 4  # for each ray that scatters where paths split
 SAMPLES = 2  # of each pilot pixel: the fewest that scatter
-# Pilot pixels: for each pixel and sample of the render, so that all four samples take 2 % of its time; of a render at
+# Pilot pixels: for each pixel and sample of the render, so that all six samples take 2.4 % of its time; of a render at
 # most, and at least.
-PART, MOST, FEWEST = 0.005, 4096, 96
+PART, MOST, FEWEST = 0.004, 4096, 96
 # The most that a pilot may cost, as a part of the render, where no SDF lamp makes a gain likely.
 MOST_COST = 0.03
 # Error × time without light paths over that with them, from which on they are used: noisy estimates promise too much.
@@ -45,7 +47,8 @@ def pilot_pixels(film: Film, samples: int) -> np.ndarray | None:
 def is_affordable(pixels: np.ndarray, light_paths: LightPaths, film: Film, samples: int) -> bool:
     """Whether a pilot of these ``pixels``, (n,) with 1 for each, costs little beside a render with so many samples, or
     is likely to pay."""
-    cost = 2 * SAMPLES * np.count_nonzero(pixels) + light_paths.pilot_cost(SAMPLES)
+    trials = 1 + len(CONNECTIONS)
+    cost = trials * SAMPLES * np.count_nonzero(pixels) + light_paths.pilot_cost(len(CONNECTIONS) * SAMPLES)
     return light_paths.has_lamps() or cost <= MOST_COST * samples * np.count_nonzero(film.active)
 
 
@@ -92,9 +95,9 @@ def may_be_worthwhile(without: Pilot) -> bool:
     return float(weights @ without.whole) > LEAST_POTENTIAL * float(weights @ without.before)
 
 
-def is_worthwhile(without: Pilot, connected: Pilot) -> bool:
-    """Whether light paths lower error × time clearly, of all pixels and of most."""
-    return gain(without, connected) > GAIN
+def is_worthwhile(gain_of_best: float) -> bool:
+    """Whether light paths lower error × time clearly."""
+    return gain_of_best > GAIN
 
 
 def gain(without: Pilot, connected: Pilot) -> float:

@@ -50,15 +50,16 @@ from ..scene import ALL_SETS, MANY_BOUNCES, Instance, Lamp, Light, Primitive, Ra
 from ..settings import LARGEST_BATCH, LampPaths
 from .block import PackedScene, Workspace
 
-# Samples of pixels for each light path of a pass, which takes about 2 % of the time of these samples; pixels for each
-# light path of the tree. The tree does not depend on the number of samples, so ranges of samples have the tree of the
-# whole.
-SHARED, TREE_SHARED = 16, 8
+# Samples of pixels for each light path of a pass, which takes about 4 % of the time of these samples; pixels for each
+# light path of the tree, and of that of a pilot. The tree does not depend on the number of samples, so ranges of
+# samples have the tree of the whole.
+SHARED, TREE_SHARED, PILOT_TREE_SHARED = 8, 1, 8
 MOST_PATHS, MOST_TREE_PATHS = 16384, 8192
 PILOT_NUMBER = 1 << 30  # of light paths: beyond those of samples
 MOST_VERTICES = 32  # of a path
+CONNECTIONS = 4  # for each ray that scatters where paths split, if no pilot has chosen their number
 PATH_COST = 2.0  # of a light path, in samples of pixels
-NODES = 2048
+NODES = 4096
 PILOTS = 256
 CHUNK = 256  # paths that a thread takes at once
 # The least chance with which a path goes on where connections find its light: if nothing else comes that way, and if
@@ -235,8 +236,9 @@ class LightPaths:
         self._pixels = (x1 - x0) * (y1 - y0)
         self._scalars = self._settled()
         self._fixed: dict[str, np.ndarray] = {}
+        self._tree_shared = 0  # of the tree in ``_fixed``
         self._connected: int | None = None
-        self.rest()
+        self.connect_with(CONNECTIONS)
         self.automatic = scene.settings.lamp_paths is LampPaths.AUTOMATIC
 
     def use(self, sample: int) -> int:
@@ -252,7 +254,7 @@ class LightPaths:
             size *= 2
         first = number - number % size
         if self._connected != first:  # a range may begin inside a set, and take it in several batches
-            self._connect(first, size)
+            self._connect(first, size, TREE_SHARED)
             self._connected = first
         return first + size - offset
 
@@ -262,13 +264,18 @@ class LightPaths:
 
     def pilot_cost(self, samples: int) -> float:
         """About the time for the tree and the light paths of a pilot with so many, in samples of pixels."""
-        paths = _paths(self._pixels / TREE_SHARED, MOST_TREE_PATHS)
+        paths = _paths(self._pixels / PILOT_TREE_SHARED, MOST_TREE_PATHS)
         return PATH_COST * (paths + samples * _paths(self._pixels / SHARED, MOST_PATHS))
 
     def use_pilot(self, sample: int) -> None:
         """As ``use``, for a pilot, with light paths that no set has."""
         self._connected = None
-        self._connect(PILOT_NUMBER + sample, 1)
+        self._connect(PILOT_NUMBER + sample, 1, PILOT_TREE_SHARED)
+
+    def connect_with(self, count: int) -> None:
+        """Connect paths with so many vertices for each ray that scatters where they split, from the next ``use`` on."""
+        self._scalars["light_path_connections"] = count
+        self.rest()
 
     def rest(self) -> None:
         """Connect the next paths with nothing."""
@@ -276,7 +283,7 @@ class LightPaths:
         self._packed.set_light_paths(self._lasting, self._scalars)
 
     def _settled(self) -> dict[str, float]:
-        """The scalars of ``light_paths.records``: how much a path from the camera may count on light paths."""
+        """Scalars of ``light_paths.records``: how much a path from the camera may count on light paths."""
         scene = self._scene
         sources, materials = self._lasting["light_path_sources"], self._lasting["light_path_materials"]
         block, emitters = self._packed.block[0], self._packed.table("light_emitters")
@@ -289,9 +296,10 @@ class LightPaths:
         roulette = (MOST_ROULETTE if follows else SOME_ROULETTE) if alone else 1.0
         return {"light_path_all": alone and follows, "light_path_roulette": roulette}
 
-    def _connect(self, number: int, samples: int) -> None:
-        if not self._fixed:
-            self._build()
+    def _connect(self, number: int, samples: int, tree_shared: int) -> None:
+        if self._tree_shared != tree_shared:
+            self._build(tree_shared)
+            self._tree_shared = tree_shared
         if not len(self._fixed["light_path_tops"]):
             return
         raw, lengths = self._trace(number + 1, _paths(self._pixels * samples / SHARED, MOST_PATHS))
@@ -299,10 +307,10 @@ class LightPaths:
         tree.place(self._fixed["light_path_nodes"], raw, lengths, self._width, vertices)
         self._packed.set_light_paths(self._lasting | self._fixed | {"light_path_vertices": vertices}, self._scalars)
 
-    def _build(self) -> None:
+    def _build(self, tree_shared: int) -> None:
         """Make the tree by light paths that no sample has: weights must not depend on the vertices that they are
         for."""
-        raw, lengths = self._trace(0, _paths(self._pixels / TREE_SHARED, MOST_TREE_PATHS))
+        raw, lengths = self._trace(0, _paths(self._pixels / tree_shared, MOST_TREE_PATHS))
         rows = np.arange(len(raw)).reshape(len(lengths), self._width)
         vertices = raw[rows[np.arange(self._width) < lengths[:, None]]]
         pilots = np.zeros((PILOTS, 3))

@@ -50,7 +50,8 @@ from ..kernels.workspace import cut_table, secondary_table
 # Of a branch: estimates know nothing of what shadows, and of light by other ways. Without it: 1.0 to 1.3. Without
 # any Russian roulette of branches: 1.0 to 1.5.
 LEAST_SURVIVAL = 0.3
-CONNECTION_COST = 1.0  # time of a connection, with that of the weights at the next hit, in surfaces that rays meet
+# Time of a connection, and that of the weights at the next hit of a ray beside connections, in surfaces that rays meet.
+CONNECTION_COST, WEIGHTS_COST = 0.6, 0.4
 LEAST_PATH_WEIGHT = 0.02  # of a branch: no estimate may remove what connections do not find. Without: 1.0 to 1.3
 
 control_table = table("control", np.int64)
@@ -107,7 +108,7 @@ def trace_branches(block, workspace, x, y, branches, first_branch):
         paths[0].index, paths[0].branch_weight = first_branch + branch, 1.0 / branches
         if block.light_paths:
             light_paths.connect(block, workspace)
-            sample.met += CONNECTION_COST
+            sample.met += CONNECTION_COST * block.light_path_connections + WEIGHTS_COST
         paths[0].alive = int(scatter(block, workspace))
         if block.light_paths and paths[0].alive and paths[0].pdf > 0.0 and paths[0].event != AT_EXIT:
             paths[0].connects, paths[0].follow = BEFORE, FOLLOW_DIFFUSE if paths[0].has_glossy else FOLLOW_ALL

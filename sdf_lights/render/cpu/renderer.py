@@ -20,8 +20,9 @@ from ..film import Film
 from ..scene import Scene
 from . import background
 from .block import PackedScene, Workspace
+from .light_path_pilot import CONNECTIONS as PILOT_CONNECTIONS
 from .light_path_pilot import SAMPLES as PILOT_SAMPLES
-from .light_path_pilot import Pilot, is_affordable, is_worthwhile, may_be_worthwhile, pilot_pixels
+from .light_path_pilot import Pilot, gain, is_affordable, is_worthwhile, may_be_worthwhile, pilot_pixels
 from .light_paths import LightPaths
 from .path_splitting import render_tile
 
@@ -152,11 +153,17 @@ class CpuRenderer:
         without = self._pilot(pixels, stop)
         if without is None or not may_be_worthwhile(without):
             return without is not None
-        connected = self._pilot(pixels, stop, light_paths)
-        if connected is None:
-            return False
-        if is_worthwhile(without, connected):
+        gains = {}
+        for count in PILOT_CONNECTIONS:
+            light_paths.connect_with(count)
+            connected = self._pilot(pixels, stop, light_paths)
+            if connected is None:
+                return False
+            gains[count] = gain(without, connected)
+        best = max(gains, key=gains.__getitem__)
+        if is_worthwhile(gains[best]):
             film.clear()
+            light_paths.connect_with(best)
             self._light_paths = light_paths
         return True
 

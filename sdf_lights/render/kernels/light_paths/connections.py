@@ -44,8 +44,7 @@ from .records import (
     vertex_table,
 )
 
-CONNECTIONS = 1  # for each ray that scatters at x
-RELIEF = 0.5
+RELIEF = 0.125
 CONNECTION_SETS, KIND_SETS, ROULETTE_SETS = 1 << 25, 1 << 26, 1 << 27  # of random numbers, beside those of path.py
 
 
@@ -56,25 +55,25 @@ def weight(block, workspace, x, n, y, normal, wi, distance):
     cosine_x, cosine_y = dot(n, wi), -dot(normal, wi)
     if cosine_x <= 0.0 or cosine_y <= 0.0:
         return 0.0
-    alpha = CONNECTIONS * tree.density(block, workspace, x, n, y, normal)
+    alpha = block.light_path_connections * tree.density(block, workspace, x, n, y, normal)
     return min(alpha * math.pi * distance * distance / (RELIEF * cosine_x * cosine_y), 1.0)
 
 
 @kernel
 def connect(block, workspace, _):
-    """Connect the surface of the workspace with ``CONNECTIONS`` vertices, for one branch of the path there."""
-    path, surface = path_table(workspace)[0], surface_table(workspace)[0]
+    """Connect the surface of the workspace with some vertices, for one branch of the path there."""
+    path, surface, count = path_table(workspace)[0], surface_table(workspace)[0], block.light_path_connections
     if not choice_table(workspace)[0].total > 0.0:
         return 0.0
     x, n = vec(surface.position), vec(surface.n)
-    for number in range(CONNECTIONS):
-        u, v = get_2d(path.index * CONNECTIONS + number, path.seed, path.dimension + CONNECTION_SETS)
+    for number in range(count):
+        u, v = get_2d(path.index * count + number, path.seed, path.dimension + CONNECTION_SETS)
         at, probability = tree.draw(block, workspace, x, n, u)
         node = node_table(block)[at]
         if probability > 0.0 and node.count > 0:
             index = node.first + min(int(v * node.count), node.count - 1)
-            kinds = get_2d(path.index * CONNECTIONS + number, path.seed, path.dimension + KIND_SETS)
-            factor = node.count / (probability * CONNECTIONS)
+            kinds = get_2d(path.index * count + number, path.seed, path.dimension + KIND_SETS)
+            factor = node.count / (probability * count)
             _connect_with(block, workspace, x, n, vertex_table(block)[index], factor, kinds)
     return 0.0
 

@@ -74,6 +74,7 @@ TABLES = {
 }
 SCALARS = [
     ("light_paths", np.int64),  # 1: strategy and tables are there
+    ("light_path_connections", np.int64),  # for each ray that scatters where paths split
     ("light_path_roulette", np.float64),  # the least chance with which a path goes on where connections find its light
     ("light_path_all", np.int64),  # 1: all light that a path finds beyond a connection is of light paths, too
 ]

@@ -18,7 +18,7 @@ from ....vec import dot, sub, vec
 from ..shading.records import surface_table
 from .records import choice_table, node_table, top_table
 
-NEAR = 0.35  # part of its distance beyond which the spread of a node makes a point go down to a child
+NEAR = 0.5  # part of its distance beyond which the spread of a node makes a point go down to a child
 LEAST = 0.3  # of the spread: what a cosine times the distance counts at least, where some vertex may be in front
 BENDING = 0.05  # variance of the normals from which on a node is split by them
 FEWEST = 4  # vertices of a node that is split
