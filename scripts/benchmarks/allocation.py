@@ -54,7 +54,7 @@ def ears(noise, groups, samples: int, rates, branches) -> tuple[np.ndarray, np.n
 
 
 # The terms that are switched off or replaced, and their text in the document: settings of the scene, or values of
-# ``sample_allocation``.
+# modules.
 ALL = "all"
 NEIGHBOURS, NEAR, FAR = (tuple(map(float, np.poly1d((1, 1)) ** (2 * reach))) for reach in (1, 2, 4))
 TERMS: dict[str, tuple[str, dict, dict]] = {
@@ -83,6 +83,10 @@ TERMS: dict[str, tuple[str, dict, dict]] = {
     "near": ("noise of branches of the 80 nearest neighbours, not of 24", {}, dict(NEAR=FAR)),
     "patch": ("patches of two pixels", {}, dict(PATCH=2)),
     "bands": ("a quarter of the rows first", {}, dict(BANDS=4)),
+    "one_connection": ("one connection for each branch", {}, dict(CONNECTIONS=1, PILOT_CONNECTIONS=(1,))),
+    "eight_connections": ("eight connections for each branch", {}, dict(CONNECTIONS=8, PILOT_CONNECTIONS=(8,))),
+    "fewer_paths": ("half as many light paths", {}, dict(SHARED=16)),
+    "coarse_tree": ("an eighth of the light paths for the tree", {}, dict(TREE_SHARED=8, PILOT_TREE_SHARED=64)),
     "first_update": ("the first decision after four samples, not after two", {}, dict(FIRST_UPDATE=4)),
     "levels": ("the noise of pixels has 9 powers of two, not 25", {}, dict(LEAST=2.0**-8, LEVELS=9)),
     "ears": (
@@ -98,6 +102,8 @@ TERMS: dict[str, tuple[str, dict, dict]] = {
 }
 
 
+# Modules whose values are replaced where they stand.
+OWNERS = ("render.sample_allocation", "render.cpu.renderer", "render.cpu.light_paths")
 DOCUMENT = host.REPOSITORY / "docs" / "sampling.md"
 BEGIN, END = "<!-- allocation -->", "<!-- end of allocation -->"
 
@@ -113,22 +119,26 @@ def arguments(parser) -> None:
 
 @contextmanager
 def _without(values: dict) -> Iterator[None]:
-    """``sample_allocation`` and ``path_splitting`` with other values for these names."""
-    allocation, splitting, renderer = (
-        host.program(name) for name in ("render.sample_allocation", "render.cpu.path_splitting", "render.cpu.renderer")
-    )
+    """The program with other values for these names in the modules of ``OWNERS``, or in ``path_splitting``."""
+    splitting, renderer = host.program("render.cpu.path_splitting"), host.program("render.cpu.renderer")
     constants = {name: value for name, value in values.items() if hasattr(splitting, name)}
-    kept = {name: getattr(allocation, name) for name in values if name not in constants}
+    owners = {name: _owner(name) for name in values if name not in constants}
+    kept = {name: getattr(owner, name) for name, owner in owners.items()}
     try:
-        for name in kept:
-            setattr(allocation, name, values[name])
+        for name, owner in owners.items():
+            setattr(owner, name, values[name])
         if constants:
             renderer.render_tile = _tile(splitting, tuple(sorted(constants.items())))
         yield
     finally:
         for name, value in kept.items():
-            setattr(allocation, name, value)
+            setattr(owners[name], name, value)
         renderer.render_tile = splitting.render_tile
+
+
+def _owner(name: str):
+    """The module of ``OWNERS`` that has this name."""
+    return next(module for module in map(host.program, OWNERS) if hasattr(module, name))
 
 
 @functools.cache

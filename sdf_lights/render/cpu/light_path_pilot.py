@@ -18,10 +18,12 @@ from ..film import Film
 from ..sample_allocation import golden_ratio_sequence, own_cost
 from .light_paths import LightPaths
 
-CONNECTIONS = 1, 4  # for each ray that scatters where paths split
-SAMPLES = 2  # of each pilot pixel: the fewest that scatter
-# Pilot pixels: for each pixel and sample of the render, so that all six samples take 2.4 % of its time; of a render at
-# most, and at least.
+# Numbers of connections for each ray that scatters where paths split. The second is not tried without SDF lamps: in
+# such rooms it was never better.
+PILOT_CONNECTIONS = 4, 1
+PILOT_SAMPLES = 2  # of each pilot pixel: the fewest that scatter
+# Pilot pixels: for each pixel and sample of the render, so that all samples, at most six, take 2.4 % of its time; of a
+# render at most, and at least.
 PART, MOST, FEWEST = 0.004, 4096, 96
 # The most that a pilot may cost, as a part of the render, where no SDF lamp makes a gain likely.
 MOST_COST = 0.03
@@ -47,8 +49,7 @@ def pilot_pixels(film: Film, samples: int) -> np.ndarray | None:
 def is_affordable(pixels: np.ndarray, light_paths: LightPaths, film: Film, samples: int) -> bool:
     """Whether a pilot of these ``pixels``, (n,) with 1 for each, costs little beside a render with so many samples, or
     is likely to pay."""
-    trials = 1 + len(CONNECTIONS)
-    cost = trials * SAMPLES * np.count_nonzero(pixels) + light_paths.pilot_cost(len(CONNECTIONS) * SAMPLES)
+    cost = 2 * PILOT_SAMPLES * np.count_nonzero(pixels) + light_paths.pilot_cost(PILOT_SAMPLES)
     return light_paths.has_lamps() or cost <= MOST_COST * samples * np.count_nonzero(film.active)
 
 
@@ -65,12 +66,12 @@ class Pilot:
 
     @classmethod
     def of(cls, film: Film, pixels: np.ndarray) -> Pilot:
-        """From a film whose ``pixels`` (n,) have ``SAMPLES`` samples, and the others none."""
+        """From a film whose ``pixels`` (n,) have ``PILOT_SAMPLES`` samples, and the others none."""
         at = np.flatnonzero(pixels)
         of_before, of_all, total, _ = film.squares[at].T
         before = film.sums["combined"].reshape(-1, 4)[at, :3].sum(axis=1)
         whole, first = (
-            np.maximum(squares - sums**2 / SAMPLES, 0.0) / (SAMPLES - 1)
+            np.maximum(squares - sums**2 / PILOT_SAMPLES, 0.0) / (PILOT_SAMPLES - 1)
             for squares, sums in ((of_all, total), (of_before, before))
         )
         return cls(total, whole, first, own_cost(film), film.divided[:, 2].sum() / max(film.count.sum(), 1))

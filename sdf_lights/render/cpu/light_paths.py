@@ -51,9 +51,10 @@ from ..settings import LARGEST_BATCH, LampPaths
 from .block import PackedScene, Workspace
 
 # Samples of pixels for each light path of a pass, which takes about 4 % of the time of these samples; pixels for each
-# light path of the tree, and of that of a pilot. The tree does not depend on the number of samples, so ranges of
-# samples have the tree of the whole.
-SHARED, TREE_SHARED, PILOT_TREE_SHARED = 8, 1, 8
+# light path of the tree. The tree does not depend on the number of samples, so ranges of samples have the tree of the
+# whole. A pilot has fewer of both.
+SHARED, TREE_SHARED = 8, 1
+PILOT_SHARED, PILOT_TREE_SHARED = 16, 8
 MOST_PATHS, MOST_TREE_PATHS = 16384, 8192
 PILOT_NUMBER = 1 << 30  # of light paths: beyond those of samples
 MOST_VERTICES = 32  # of a path
@@ -236,7 +237,8 @@ class LightPaths:
         self._pixels = (x1 - x0) * (y1 - y0)
         self._scalars = self._settled()
         self._fixed: dict[str, np.ndarray] = {}
-        self._tree_shared = 0  # of the tree in ``_fixed``
+        self._tree_paths = 0  # of the tree in ``_fixed``
+        self._pilot_paths: dict[int, tuple[np.ndarray, np.ndarray]] = {}
         self._connected: int | None = None
         self.connect_with(CONNECTIONS)
         self.automatic = scene.settings.lamp_paths is LampPaths.AUTOMATIC
@@ -254,7 +256,9 @@ class LightPaths:
             size *= 2
         first = number - number % size
         if self._connected != first:  # a range may begin inside a set, and take it in several batches
-            self._connect(first, size, TREE_SHARED)
+            self._pilot_paths.clear()
+            self._build(TREE_SHARED)
+            self._place(*self._trace(first + 1, _paths(self._pixels * size / SHARED, MOST_PATHS)))
             self._connected = first
         return first + size - offset
 
@@ -265,12 +269,16 @@ class LightPaths:
     def pilot_cost(self, samples: int) -> float:
         """About the time for the tree and the light paths of a pilot with so many, in samples of pixels."""
         paths = _paths(self._pixels / PILOT_TREE_SHARED, MOST_TREE_PATHS)
-        return PATH_COST * (paths + samples * _paths(self._pixels / SHARED, MOST_PATHS))
+        return PATH_COST * (paths + samples * _paths(self._pixels / PILOT_SHARED, MOST_PATHS))
 
     def use_pilot(self, sample: int) -> None:
         """As ``use``, for a pilot, with light paths that no set has."""
         self._connected = None
-        self._connect(PILOT_NUMBER + sample, 1, PILOT_TREE_SHARED)
+        if sample not in self._pilot_paths:
+            self._build(PILOT_TREE_SHARED)
+            paths = _paths(self._pixels / PILOT_SHARED, MOST_PATHS)
+            self._pilot_paths[sample] = self._trace(PILOT_NUMBER + sample, paths)
+        self._place(*self._pilot_paths[sample])
 
     def connect_with(self, count: int) -> None:
         """Connect paths with so many vertices for each ray that scatters where they split, from the next ``use`` on."""
@@ -296,21 +304,22 @@ class LightPaths:
         roulette = (MOST_ROULETTE if follows else SOME_ROULETTE) if alone else 1.0
         return {"light_path_all": alone and follows, "light_path_roulette": roulette}
 
-    def _connect(self, number: int, samples: int, tree_shared: int) -> None:
-        if self._tree_shared != tree_shared:
-            self._build(tree_shared)
-            self._tree_shared = tree_shared
+    def _place(self, raw: np.ndarray, lengths: np.ndarray) -> None:
+        """Connect the next paths with the vertices of these light paths."""
         if not len(self._fixed["light_path_tops"]):
             return
-        raw, lengths = self._trace(number + 1, _paths(self._pixels * samples / SHARED, MOST_PATHS))
         vertices = np.empty(lengths.sum(), VERTEX)
         tree.place(self._fixed["light_path_nodes"], raw, lengths, self._width, vertices)
         self._packed.set_light_paths(self._lasting | self._fixed | {"light_path_vertices": vertices}, self._scalars)
 
-    def _build(self, tree_shared: int) -> None:
-        """Make the tree by light paths that no sample has: weights must not depend on the vertices that they are
-        for."""
-        raw, lengths = self._trace(0, _paths(self._pixels / tree_shared, MOST_TREE_PATHS))
+    def _build(self, shared: int) -> None:
+        """Make the tree, if it is not there, by light paths that no sample has: weights must not depend on the vertices
+        that they are for."""
+        paths = _paths(self._pixels / shared, MOST_TREE_PATHS)
+        if self._tree_paths == paths:
+            return
+        self._tree_paths = paths
+        raw, lengths = self._trace(0, paths)
         rows = np.arange(len(raw)).reshape(len(lengths), self._width)
         vertices = raw[rows[np.arange(self._width) < lengths[:, None]]]
         pilots = np.zeros((PILOTS, 3))
