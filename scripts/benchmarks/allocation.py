@@ -83,10 +83,10 @@ TERMS: dict[str, tuple[str, dict, dict]] = {
     "near": ("noise of branches of the 80 nearest neighbours, not of 24", {}, dict(NEAR=FAR)),
     "patch": ("patches of two pixels", {}, dict(PATCH=2)),
     "bands": ("a quarter of the rows first", {}, dict(BANDS=4)),
-    "one_connection": ("one connection for each branch", {}, dict(CONNECTIONS=1, PILOT_CONNECTIONS=(1,))),
-    "eight_connections": ("eight connections for each branch", {}, dict(CONNECTIONS=8, PILOT_CONNECTIONS=(8,))),
+    "one_connection": ("one connection for each branch", {}, dict(CONNECTIONS=1)),
+    "eight_connections": ("eight connections for each branch", {}, dict(CONNECTIONS=8)),
     "fewer_paths": ("half as many light paths", {}, dict(SHARED=16)),
-    "coarse_tree": ("an eighth of the light paths for the tree", {}, dict(TREE_SHARED=8, PILOT_TREE_SHARED=64)),
+    "coarse_tree": ("an eighth of the light paths for the tree", {}, dict(TREE_SHARED=8)),
     "first_update": ("the first decision after four samples, not after two", {}, dict(FIRST_UPDATE=4)),
     "levels": ("the noise of pixels has 9 powers of two, not 25", {}, dict(LEAST=2.0**-8, LEVELS=9)),
     "ears": (
@@ -103,7 +103,7 @@ TERMS: dict[str, tuple[str, dict, dict]] = {
 
 
 # Modules whose values are replaced where they stand.
-OWNERS = ("render.sample_allocation", "render.cpu.renderer", "render.cpu.light_paths")
+OWNERS = ("render.sample_allocation", "render.cpu.light_paths")
 DOCUMENT = host.REPOSITORY / "docs" / "sampling.md"
 BEGIN, END = "<!-- allocation -->", "<!-- end of allocation -->"
 

@@ -1,9 +1,8 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether light paths pay: two samples of a few pixels without them are compared with two samples with them, for each
-number of connections that is tried.
+"""Whether light paths pay: two samples of a few pixels without them are compared with two samples with them.
 
-They are compared by the product of error and time, each with the best number of branches for it: with connections,
+Both are compared by the product of error and time, each with the best number of branches for it: with connections,
 paths need fewer. Time is counted in surfaces that rays meet, as in ``sample_allocation.py``. It is never measured, so a
 seed gives one picture on all machines. The pilots have films of their own, so the picture without light paths is as if
 they had never been there.
@@ -18,13 +17,10 @@ from ..film import Film
 from ..sample_allocation import golden_ratio_sequence, own_cost
 from .light_paths import LightPaths
 
-# Numbers of connections for each ray that scatters where paths split. The second is not tried without SDF lamps: in
-# such rooms it was never better.
-PILOT_CONNECTIONS = 4, 1
-PILOT_SAMPLES = 2  # of each pilot pixel: the fewest that scatter
-# Pilot pixels: for each pixel and sample of the render, so that all samples, at most six, take 2.4 % of its time; of a
-# render at most, and at least.
-PART, MOST, FEWEST = 0.004, 4096, 96
+SAMPLES = 2  # of each pilot pixel: the fewest that scatter
+# Pilot pixels: for each pixel and sample of the render, so that all four samples take 2 % of its time; of a render at
+# most, and at least.
+PART, MOST, FEWEST = 0.005, 4096, 96
 # The most that a pilot may cost, as a part of the render, where no SDF lamp makes a gain likely.
 MOST_COST = 0.03
 # Error × time without light paths over that with them, from which on they are used: noisy estimates promise too much.
@@ -49,7 +45,7 @@ def pilot_pixels(film: Film, samples: int) -> np.ndarray | None:
 def is_affordable(pixels: np.ndarray, light_paths: LightPaths, film: Film, samples: int) -> bool:
     """Whether a pilot of these ``pixels``, (n,) with 1 for each, costs little beside a render with so many samples, or
     is likely to pay."""
-    cost = 2 * PILOT_SAMPLES * np.count_nonzero(pixels) + light_paths.pilot_cost(PILOT_SAMPLES)
+    cost = 2 * SAMPLES * np.count_nonzero(pixels) + light_paths.pilot_cost(SAMPLES)
     return light_paths.has_lamps() or cost <= MOST_COST * samples * np.count_nonzero(film.active)
 
 
@@ -66,12 +62,12 @@ class Pilot:
 
     @classmethod
     def of(cls, film: Film, pixels: np.ndarray) -> Pilot:
-        """From a film whose ``pixels`` (n,) have ``PILOT_SAMPLES`` samples, and the others none."""
+        """From a film whose ``pixels`` (n,) have ``SAMPLES`` samples, and the others none."""
         at = np.flatnonzero(pixels)
         of_before, of_all, total, _ = film.squares[at].T
         before = film.sums["combined"].reshape(-1, 4)[at, :3].sum(axis=1)
         whole, first = (
-            np.maximum(squares - sums**2 / PILOT_SAMPLES, 0.0) / (PILOT_SAMPLES - 1)
+            np.maximum(squares - sums**2 / SAMPLES, 0.0) / (SAMPLES - 1)
             for squares, sums in ((of_all, total), (of_before, before))
         )
         return cls(total, whole, first, own_cost(film), film.divided[:, 2].sum() / max(film.count.sum(), 1))
@@ -96,9 +92,9 @@ def may_be_worthwhile(without: Pilot) -> bool:
     return float(weights @ without.whole) > LEAST_POTENTIAL * float(weights @ without.before)
 
 
-def is_worthwhile(gain_of_best: float) -> bool:
-    """Whether light paths lower error × time clearly."""
-    return gain_of_best > GAIN
+def is_worthwhile(without: Pilot, connected: Pilot) -> bool:
+    """Whether light paths lower error × time clearly, of all pixels and of most."""
+    return gain(without, connected) > GAIN
 
 
 def gain(without: Pilot, connected: Pilot) -> float:

@@ -58,7 +58,8 @@ PILOT_SHARED, PILOT_TREE_SHARED = 16, 8
 MOST_PATHS, MOST_TREE_PATHS = 16384, 8192
 PILOT_NUMBER = 1 << 30  # of light paths: beyond those of samples
 MOST_VERTICES = 32  # of a path
-CONNECTIONS = 4  # for each ray that scatters where paths split, if no pilot has chosen their number
+# Connections for each ray that scatters where paths split. A pilot has few light paths, so more connections tell less.
+CONNECTIONS, PILOT_CONNECTIONS = 4, 1
 PATH_COST = 2.0  # of a light path, in samples of pixels
 NODES = 4096
 PILOTS = 256
@@ -238,9 +239,8 @@ class LightPaths:
         self._scalars = self._settled()
         self._fixed: dict[str, np.ndarray] = {}
         self._tree_paths = 0  # of the tree in ``_fixed``
-        self._pilot_paths: dict[int, tuple[np.ndarray, np.ndarray]] = {}
         self._connected: int | None = None
-        self.connect_with(CONNECTIONS)
+        self.rest()
         self.automatic = scene.settings.lamp_paths is LampPaths.AUTOMATIC
 
     def use(self, sample: int) -> int:
@@ -256,9 +256,8 @@ class LightPaths:
             size *= 2
         first = number - number % size
         if self._connected != first:  # a range may begin inside a set, and take it in several batches
-            self._pilot_paths.clear()
             self._build(TREE_SHARED)
-            self._place(*self._trace(first + 1, _paths(self._pixels * size / SHARED, MOST_PATHS)))
+            self._connect(first + 1, _paths(self._pixels * size / SHARED, MOST_PATHS), CONNECTIONS)
             self._connected = first
         return first + size - offset
 
@@ -274,16 +273,8 @@ class LightPaths:
     def use_pilot(self, sample: int) -> None:
         """As ``use``, for a pilot, with light paths that no set has."""
         self._connected = None
-        if sample not in self._pilot_paths:
-            self._build(PILOT_TREE_SHARED)
-            paths = _paths(self._pixels / PILOT_SHARED, MOST_PATHS)
-            self._pilot_paths[sample] = self._trace(PILOT_NUMBER + sample, paths)
-        self._place(*self._pilot_paths[sample])
-
-    def connect_with(self, count: int) -> None:
-        """Connect paths with so many vertices for each ray that scatters where they split, from the next ``use`` on."""
-        self._scalars["light_path_connections"] = count
-        self.rest()
+        self._build(PILOT_TREE_SHARED)
+        self._connect(PILOT_NUMBER + sample, _paths(self._pixels / PILOT_SHARED, MOST_PATHS), PILOT_CONNECTIONS)
 
     def rest(self) -> None:
         """Connect the next paths with nothing."""
@@ -304,13 +295,17 @@ class LightPaths:
         roulette = (MOST_ROULETTE if follows else SOME_ROULETTE) if alone else 1.0
         return {"light_path_all": alone and follows, "light_path_roulette": roulette}
 
-    def _place(self, raw: np.ndarray, lengths: np.ndarray) -> None:
-        """Connect the next paths with the vertices of these light paths."""
+    def _connect(self, number: int, paths: int, connections: int) -> None:
+        """Connect the next paths with the vertices of light paths, so many for each ray that scatters."""
         if not len(self._fixed["light_path_tops"]):
             return
+        raw, lengths = self._trace(number, paths)
         vertices = np.empty(lengths.sum(), VERTEX)
         tree.place(self._fixed["light_path_nodes"], raw, lengths, self._width, vertices)
-        self._packed.set_light_paths(self._lasting | self._fixed | {"light_path_vertices": vertices}, self._scalars)
+        self._packed.set_light_paths(
+            self._lasting | self._fixed | {"light_path_vertices": vertices},
+            self._scalars | {"light_path_connections": connections},
+        )
 
     def _build(self, shared: int) -> None:
         """Make the tree, if it is not there, by light paths that no sample has: weights must not depend on the vertices

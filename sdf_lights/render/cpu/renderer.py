@@ -20,16 +20,8 @@ from ..film import Film
 from ..scene import Scene
 from . import background
 from .block import PackedScene, Workspace
-from .light_path_pilot import (
-    PILOT_CONNECTIONS,
-    PILOT_SAMPLES,
-    Pilot,
-    gain,
-    is_affordable,
-    is_worthwhile,
-    may_be_worthwhile,
-    pilot_pixels,
-)
+from .light_path_pilot import SAMPLES as PILOT_SAMPLES
+from .light_path_pilot import Pilot, is_affordable, is_worthwhile, may_be_worthwhile, pilot_pixels
 from .light_paths import LightPaths
 from .path_splitting import render_tile
 
@@ -160,17 +152,11 @@ class CpuRenderer:
         without = self._pilot(pixels, stop)
         if without is None or not may_be_worthwhile(without):
             return without is not None
-        gains = {}
-        for count in PILOT_CONNECTIONS if light_paths.has_lamps() else PILOT_CONNECTIONS[:1]:
-            light_paths.connect_with(count)
-            connected = self._pilot(pixels, stop, light_paths)
-            if connected is None:
-                return False
-            gains[count] = gain(without, connected)
-        best = max(gains, key=gains.__getitem__)
-        if is_worthwhile(gains[best]):
+        connected = self._pilot(pixels, stop, light_paths)
+        if connected is None:
+            return False
+        if is_worthwhile(without, connected):
             film.clear()
-            light_paths.connect_with(best)
             self._light_paths = light_paths
         return True
 
