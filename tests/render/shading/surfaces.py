@@ -30,6 +30,7 @@ from sdf_lights.vec import add, dot, madd, mul, negate, normalize, scale, vec
 
 MAX_BOUNCES = 64
 SCATTERED = DIFFUSE | GLOSSY | TRANSMISSION
+SCALARS = [("caustics", np.int64)]  # of the integrator's, what shading reads
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
@@ -128,7 +129,7 @@ class Surface:
         materials, self.graphs = pack_materials(self.scene)
         self.tables = materials | geometry.pack_geometry(self.scene, np.array([False]))
         self.work = {name: np.zeros(WORKSPACE_COUNTS[name], dtype) for name, dtype in WORKSPACE_TABLES.items()}
-        records = block_dtype(TABLES | geometry.TABLES), block_dtype(WORKSPACE_TABLES)
+        records = block_dtype(TABLES | geometry.TABLES, SCALARS), block_dtype(WORKSPACE_TABLES)
         self.tables["graph_addresses"] = self.graphs.addresses(records)
         self.tables["special_code"] = special.addresses(self.tables["lobes"], records)
         self._block, self._workspace = (np.zeros(1, record) for record in records)
@@ -136,6 +137,7 @@ class Surface:
             fill_table(self._block, name, table)
         for name, table in self.work.items():
             fill_table(self._workspace, name, table)
+        self._block["caustics"] = GLOSSY | TRANSMISSION
         self.block, self.workspace = self._block[0], self._workspace[0]
         self.hit = self.work["surface"][0]
         self.hit["n"] = self.hit["ng"] = self.hit["wo"] = (0.0, 0.0, 1.0)
