@@ -228,6 +228,7 @@ def test_a_full_disk_costs_time_alone(tmp_path):
     assert drawn(tmp_path / "full", limit) == [*first[:-1], "True"]
 
 
+@pytest.mark.slow
 def test_four_processes_share_a_folder(tmp_path):
     with ThreadPoolExecutor(4) as pool:
         found = list(pool.map(lambda _: drawn(tmp_path), range(4)))

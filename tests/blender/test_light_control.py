@@ -134,6 +134,7 @@ def test_shadow_linking(three_lights, collection, compare):
     assert (compare().mean((0, 1)) > 1.005 * plain.mean((0, 1))).all()
 
 
+@pytest.mark.slow
 def test_sun_and_empty_and_nested_collections(room, light, collection, compare):
     sun = light("SUN", RED, (0.0, 0.0, 3.0), 2.0, angle=0.2)
     sun.light_linking.receiver_collection = collection(["Floor", "Wall"])
@@ -147,6 +148,7 @@ def test_sun_and_empty_and_nested_collections(room, light, collection, compare):
     compare()
 
 
+@pytest.mark.slow
 def test_instances_have_the_linking_of_cycles(room, light, collection, compare, add):
     part = bpy.data.objects["Block"]
     group = bpy.data.collections.new("Group")
@@ -170,6 +172,7 @@ def test_visibility_to_kinds_of_rays(three_lights, compare):
     assert (compare().mean((0, 1)) < 0.99 * plain.mean((0, 1))).all()
 
 
+@pytest.mark.slow
 def test_visibility_to_transmission(room, light, compare):
     nodes = bpy.data.objects["Pane"].data.materials[0].node_tree
     glass = nodes.nodes.new("ShaderNodeBsdfRefraction")
@@ -193,6 +196,7 @@ def test_bounces_of_lights(room, light, compare):
     assert found[..., 0].mean() < 0.9 * plain[..., 0].mean() and found[..., 1].mean() < plain[..., 1].mean()
 
 
+@pytest.mark.slow
 def test_rays_hit_lights_after_their_bounces(room, light, compare):
     """As in Cycles, only light rays count the bounces of a light: rough metal shows it, seen in rough metal."""
     floor = bpy.data.objects["Floor"].data.materials[0].node_tree
@@ -206,6 +210,7 @@ def test_rays_hit_lights_after_their_bounces(room, light, compare):
     compare()
 
 
+@pytest.mark.slow
 def test_lights_without_multiple_importance_sampling(room, light, compare):
     metal = bpy.data.objects["Wall"].data.materials[0].node_tree.nodes
     next(node for node in metal if node.type == "BSDF_GLOSSY").inputs["Roughness"].default_value = 0.0
@@ -230,6 +235,7 @@ def test_filters_of_a_view_layer(room, light, compare, file):
     assert compare(64, 0.1)[..., 0].min() > 0.0
 
 
+@pytest.mark.slow
 def test_portals_guide_light_of_the_world(room, light, compare):
     """A window in a wall beside the camera: the same picture with a portal there, and less noise in it."""
     for name in ("Block", "Screen", "Pane"):

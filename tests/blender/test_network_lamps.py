@@ -3,7 +3,6 @@
 """Lamps of networks: the example, files beside the .blend, files that change, and files that are none."""
 
 import os
-import shutil
 
 import bpy
 import numpy as np
@@ -11,7 +10,14 @@ import pytest
 
 from sdf_lights.blender.lamp import shape_of
 from sdf_lights.render.errors import RenderError
-from sdf_lights.sdf.data.network import EXAMPLE, read
+from sdf_lights.sdf.data.network import EXAMPLE, Siren, read
+
+
+@pytest.fixture
+def small():
+    """A network whose bound takes less time than the example's."""
+    rng = np.random.default_rng(5)
+    return Siren([rng.uniform(-0.4, 0.4, (6, 3)), rng.uniform(-0.4, 0.4, (1, 6))], [rng.random(6), [-0.05]], 5.0)
 
 
 @pytest.fixture
@@ -44,12 +50,12 @@ def test_one_click_adds_a_lamp_that_lights(file, pictures):
     assert pictures()["ViewLayer"]["Combined"].max() > 0.1
 
 
-def test_a_file_is_found_beside_the_blend_and_read_again_when_it_changes(file, network_lamp, tmp_path):
+def test_a_file_is_found_beside_the_blend_and_read_again_when_it_changes(file, network_lamp, small, tmp_path):
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "scene.blend"))
-    shutil.copy(EXAMPLE, tmp_path / "own.npz")
+    small.save(tmp_path / "own.npz")
     lamp = network_lamp("//own.npz")
     first = shape_of(lamp)
-    siren = read(EXAMPLE)
+    siren = read(tmp_path / "own.npz")
     siren.biases[-1] = siren.biases[-1] - 0.02
     siren.save(tmp_path / "own.npz")
     os.utime(tmp_path / "own.npz", ns=(1, 1))
@@ -77,11 +83,11 @@ def test_a_network_has_no_text_and_no_sizes(file, network_lamp, add):
         bpy.ops.sdf_lights.nodes_to_expression()
 
 
-def test_a_network_of_a_file_is_a_word(file, network_lamp, tmp_path):
-    lamp = network_lamp(str(tmp_path / "rabbit.npz"))
-    (tmp_path / "rabbit.npz").write_bytes(EXAMPLE.read_bytes())
+def test_a_network_of_a_file_is_a_word(file, network_lamp, small, tmp_path):
+    lamp = network_lamp(str(tmp_path / "waves.npz"))
+    small.save(tmp_path / "waves.npz")
     direct = shape_of(lamp)
-    lamp.expression = f"network({str(tmp_path / 'rabbit.npz')!r}) | sphere(0.1)"
+    lamp.expression = f"network({str(tmp_path / 'waves.npz')!r}) | sphere(0.1)"
     lamp.source = "EXPRESSION"
     points = np.random.default_rng(1).uniform(-1.0, 1.0, (200, 3))
     expected = np.minimum(direct.distance(points), np.linalg.norm(points, axis=1) - 0.1) < 0.0

@@ -265,6 +265,7 @@ def test_light_groups(scene, both, file):
     np.testing.assert_allclose(whole, ours["Combined"][..., :3], rtol=1e-4, atol=1e-5)
 
 
+@pytest.mark.slow
 def test_emission_of_volumes_in_light_groups(scene, both, file, add, material):
     """Where two volumes overlap, all emission belongs to the one that a ray enters last."""
     for name, color, place in (

@@ -172,7 +172,14 @@ EDITS = [
 ]
 
 
-@pytest.mark.parametrize("edit", EDITS, ids=[edit.__name__ for edit in EDITS])
+QUICK = edit_vertices, edit_material, edit_image, edit_world, other_object, hidden
+
+
+@pytest.mark.parametrize(
+    "edit",
+    [pytest.param(edit, marks=[pytest.mark.slow] * (edit not in QUICK)) for edit in EDITS],
+    ids=[edit.__name__ for edit in EDITS],
+)
 def test_frames_are_the_same_bits(build, file, pictures, edit):
     def frames(persistent: bool):
         scene = build(persistent)

@@ -268,7 +268,7 @@ def test_principled_hair(file, add, lit, shaded, render, model):
         return node.outputs[0]
 
     add("Hair", shaded(hair(), fibers))
-    ours, theirs = render(128)
+    ours, theirs = render(128 if model == "CHIANG" else 32)  # of Huang's, only what it hides is compared
     assert ours[..., 3].mean() == pytest.approx(theirs[..., 3].mean(), rel=0.01)
     if model == "CHIANG":  # docs/cycles.md says what Huang's lacks
         assert ours.mean((0, 1)) == pytest.approx(theirs.mean((0, 1)), rel=0.02)

@@ -58,7 +58,9 @@ def test_the_cost_grows_little_faster_than_the_parts(smooth):
     assert many < 15.0
 
 
-@pytest.mark.parametrize("name", SHAPES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name == "a loop of 1000 rounds")) for name in SHAPES]
+)
 def test_building_asks_whether_to_go_on(name):
     """No thread works for long without asking: a build ends soon after nobody wants it any more."""
     shape = SHAPES[name]()

@@ -159,7 +159,7 @@ def test_lamp_in_a_room():
     compare("torus_room")
 
 
-@pytest.mark.parametrize("sampling", [LampSampling.MIS, LampSampling.CUT])
+@pytest.mark.parametrize("sampling", [pytest.param(LampSampling.MIS, marks=pytest.mark.slow), LampSampling.CUT])
 def test_a_small_difference_is_found(sampling):
     """With the noise that pictures have."""
     cpu, gpu = both("torus_room", sampling, 0, passes=("Combined",))
@@ -169,14 +169,17 @@ def test_a_small_difference_is_found(sampling):
     assert differences(cpu, gpu)
 
 
+@pytest.mark.slow
 def test_lamp_in_a_room_by_cuts():
     compare_cuts("torus_room")
 
 
+@pytest.mark.slow
 def test_light_below_surfaces():
     compare("subsurface")
 
 
+@pytest.mark.slow
 def test_light_that_transparent_surfaces_stop():
     compare("stopped_light")
 
@@ -194,6 +197,7 @@ def test_shadow_catchers():
     assert film.read("Shadow Catcher").min() < 0.9
 
 
+@pytest.mark.slow
 def test_lights_that_do_not_count_for_shadow_catchers():
     cpu, gpu = both("shadow_catcher", LampSampling.MIS, passes=("Combined", "Shadow Catcher"))
     failures = differences(cpu, gpu)

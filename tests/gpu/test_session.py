@@ -39,6 +39,7 @@ def test_the_gpu_renders_when_it_is_asked_to():
     assert film.samples == 4 and film.read("Combined")[..., :3].mean() > 0.0
 
 
+@pytest.mark.slow
 def test_the_gpu_says_that_it_has_no_rolling_shutter():
     """The frame is blurred all the same."""
     device_or_skip()

@@ -43,9 +43,13 @@ def picture(lamp_paths: LampPaths, build=cove, size=SIZE, change=lambda scene: N
 @pytest.mark.parametrize(
     ("changes", "connections"),
     [
-        (dict(), 1),
+        pytest.param(dict(), 1, marks=pytest.mark.slow),
         (dict(), 4),
-        (dict(max_bounces=12, diffuse_bounces=2, glossy_bounces=1, transmission_bounces=1, transparent_bounces=1), 4),
+        pytest.param(
+            dict(max_bounces=12, diffuse_bounces=2, glossy_bounces=1, transmission_bounces=1, transparent_bounces=1),
+            4,
+            marks=pytest.mark.slow,
+        ),
     ],
     ids=["one connection", "plain", "tight limits"],
 )
@@ -253,10 +257,9 @@ BRUSHED = Node(
     "change",
     [
         _sun,
-        _everywhere(SKIN),
         *(
             pytest.param(change, marks=pytest.mark.slow)
-            for change in (_world, _emission, _restricted_lamp, _everywhere(BRUSHED), _strands)
+            for change in (_everywhere(SKIN), _world, _emission, _restricted_lamp, _everywhere(BRUSHED), _strands)
         ),
     ],
     ids=["sun", "skin", "world", "mesh", "restricted lamp", "brushed", "strands"],
@@ -359,7 +362,7 @@ def test_light_paths_of_meshes_leave_the_mean(strength):
 
 
 @pytest.mark.parametrize(
-    "light", [name if name in ("point", "area") else pytest.param(name, marks=pytest.mark.slow) for name in LIGHTS]
+    "light", [name if name == "area" else pytest.param(name, marks=pytest.mark.slow) for name in LIGHTS]
 )
 def test_light_paths_of_lights_leave_the_mean(light):
     """Means of the whole over 24 renders each agree within 4.5 standard errors: by chance, one set of seeds in ten

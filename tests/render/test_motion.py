@@ -145,13 +145,16 @@ class TestPictures:
         "shapes",
         [
             (Torus(0.3, 0.1), Torus(0.8, 0.05), Torus(0.5, 0.2)),
-            (Difference(Box(0.3), Sphere(0.35)), Difference(Box(0.6), Sphere(0.75))),
+            pytest.param(
+                (Difference(Box(0.3), Sphere(0.35)), Difference(Box(0.6), Sphere(0.75))), marks=pytest.mark.slow
+            ),
             (Torus(0.3, 0.1), Box(0.4)),
         ],
     )
     def test_a_lamp_that_changes_its_shape_is_the_mean_of_those_at_all_times(self, shapes):
         self.compare_with_stills(self.change(shapes, power=30.0))
 
+    @pytest.mark.slow
     def test_a_lamp_that_grows_by_its_transform_has_all_of_its_light(self):
         """Its volume, matrix and inverse are not linear in time."""
         lamp = self.change((Torus(0.3, 0.1), Torus(0.3, 0.1))).lamps[0]
@@ -165,6 +168,7 @@ class TestPictures:
         scene.lights.append(replace(light, motion=motion.resampled((light, replace(light, radius=0.5)))))
         self.compare_with_stills(scene)
 
+    @pytest.mark.slow
     def test_the_room_is_lit_by_a_lamp_that_changes(self):
         scene = scenes.changing_lamps(16, 12)
         times = (np.arange(32) + 0.5) / 32

@@ -61,6 +61,7 @@ def test_less_error_for_as_many_samples():
     assert error[1] < 0.7 * error[0], error
 
 
+@pytest.mark.slow
 def test_the_mean_stays():
     """Blocks of 48 renders each agree within 4 standard errors of their difference."""
     found = [pictures(guided, 48, 32).reshape(48, 8, 5, 8, 5, 3).mean(axis=(2, 4, 5)) for guided in (False, True)]

@@ -14,6 +14,7 @@ from benchmarks.methods import Method  # noqa: E402
 COSTLY = "S3", "spring", "rabbit", "corridor_network"
 
 
+@pytest.mark.slow
 def test_each_lamp_has_its_volume():
     for name, about in lamp_scenes.SCENES.items():
         if name in COSTLY:

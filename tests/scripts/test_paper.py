@@ -28,6 +28,7 @@ def test_the_camera_is_inside_and_sees_surfaces_from_their_front(name, lamps):
     assert len({round(coordinate, 3) for place, _ in seen for coordinate in place}) > 64
 
 
+@pytest.mark.slow
 def test_the_statue_has_many_triangles():
     paper_scenes.SCENES["dragon"].build(16)
     assert max(len(mesh.loop_triangles) for mesh in paper._triangulated()) > 100_000

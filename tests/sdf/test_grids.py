@@ -351,6 +351,8 @@ def _lattices(vertices, faces, count):
 def test_sides_are_those_of_the_winding_numbers_of_all_triangles(name):
     builder, starts, points = _lattices(*HARD[name], 40)
     distances, found = builder.measured(starts, CORNERS, 1.0, builder.band)
+    if len(HARD[name][1]) > 4500:  # the sum over all triangles is what takes time: every ninth point has it
+        points, distances, found = points[..., ::3, ::3, :], distances[..., ::3, ::3], found[..., ::3, ::3]
     exact = windings(builder.mesh, points, np.inf)
     # Beside a face, and where half of the sphere is covered, rounding and distant triangles decide.
     judged = (np.abs(np.abs(exact) - voxels.INSIDE) > 0.04) & (distances > 1e-5 * builder.size)

@@ -88,7 +88,7 @@ def test_distances_of_a_tube_are_what_they_were():
     tube = Tube.of([(points, radii, False)])
     np.testing.assert_allclose(tube.balls[:, 3].max(), radii.max())
     assert np.abs(tube.balls).max() < 1.0 + 1e-9
-    at = np.random.default_rng(3).uniform(-1.2, 1.2, (2000, 3))
+    at = np.random.default_rng(3).uniform(-1.2, 1.2, (300, 3))
     many = np.linspace(0.0, 1.0, 400)[:, None, None]
     centres = (points[:-1] + many * np.diff(points, axis=0)).reshape(-1, 3)
     sizes = (radii[:-1] + many[..., 0] * np.diff(radii)).ravel()

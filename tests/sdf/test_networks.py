@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Networks of sines: values, bounds, crossings, files that are none."""
 
+import functools
 import io
 import pickle
 import zipfile
@@ -42,15 +43,20 @@ NETWORKS = {
 }
 
 
-@pytest.fixture(scope="module", params=NETWORKS)
+@functools.cache
+def _shape(name):
+    """Its bound takes seconds."""
+    return NETWORKS[name].shape()
+
+
+@pytest.fixture(params=[pytest.param(name, marks=[pytest.mark.slow] * (name == "wide")) for name in NETWORKS])
 def network(request):
-    siren = NETWORKS[request.param]
-    return siren, siren.shape()
+    return NETWORKS[request.param], _shape(request.param)
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def rabbit():
-    return NETWORKS["example"].shape()
+    return _shape("example")
 
 
 def _points(shape, count, seed=1, beyond=0.0):

@@ -33,6 +33,7 @@ SHAPES = {
     "blob": FIELDS["blob"],
     "rings": FIELDS["rings"],
 }
+QUICK = ("torus", "above"), ("box", "close"), ("nested", "middle")
 POINTS = {"above": (0.3, 0.2, 1.6), "close": (0.75, 0.0, 0.3), "middle": (0.02, 0.01, 0.03)}
 
 
@@ -102,20 +103,35 @@ def test_areas(name):
     assert found == pytest.approx(area, rel=1e-3) and crossings == most
 
 
-@pytest.mark.parametrize("point", POINTS)
-@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize(
+    "shape, point",
+    [
+        pytest.param(shape, point, marks=[pytest.mark.slow] * ((shape, point) not in QUICK))
+        for shape in SHAPES
+        for point in POINTS
+    ],
+)
 def test_directions_have_their_density(shape, point):
     check(Aim(SHAPES[shape], POINTS[point]))
 
 
-@pytest.mark.parametrize("placement", [name for name in PLACEMENTS if name not in ("far", "stretched")])
+@pytest.mark.parametrize(
+    "placement",
+    [
+        pytest.param(name, marks=[pytest.mark.slow] * (name != "sheared"))
+        for name in PLACEMENTS
+        if name not in ("far", "stretched")
+    ],
+)
 def test_transforms(placement):
     """An affine map changes what is uniform by area: a lamp is turned, stretched unevenly, sheared, mirrored, small."""
     matrix = PLACEMENTS[placement]
     check(Aim(SHAPES["nested"], (matrix @ [0.8, 0.3, 1.5, 1.0])[:3], matrix))
 
 
-@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize(
+    "shape", [pytest.param(shape, marks=[pytest.mark.slow] * (shape not in ("torus", "nested"))) for shape in SHAPES]
+)
 def test_unbiased(shape):
     """The same irradiance as projection sampling gives, within 4.5 standard errors and what areas are known to."""
     block, x, n = LampBlock(SHAPES[shape], np.eye(4), surface=True), POINTS["above"], (0.0, 0.0, -1.0)

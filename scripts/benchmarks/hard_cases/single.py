@@ -117,7 +117,7 @@ def compared(shape: Shape, thinnest: float, quick: bool) -> Figure:
     )
 
 
-@case("float32-picture-csg", opengl=True)
+@case("float32-picture-csg", slow=True, opengl=True)
 def picture_of_csg(quick):
     """difference of a picture by the GPU, or of a block of it, to its error bar: boxes with faces that coincide"""
     return compared(FACES, 0.1, quick)

@@ -113,7 +113,9 @@ BENCHMARK = {
 }
 
 
-@pytest.mark.parametrize("name", BENCHMARK)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name != "turned frame")) for name in BENCHMARK]
+)
 def test_errors_at_two_million_evaluations(name):
     """Root mean square over seeds, at a division with about as many evaluations, and in inverse proportion to them."""
     shape, known = BENCHMARK[name]
