@@ -378,7 +378,13 @@ def test_light_paths_of_lights_leave_the_mean(light):
     assert np.all(np.abs(other.mean(axis=0) - one.mean(axis=0)) < 4.5 * error)
 
 
-@pytest.mark.parametrize("change", [_lamp(visibility=Ray.ALL & ~Ray.CAMERA), _object(visibility=Ray.CAMERA)])
+@pytest.mark.parametrize(
+    "change",
+    [
+        _lamp(visibility=Ray.ALL & ~Ray.CAMERA),
+        pytest.param(_object(visibility=Ray.CAMERA), marks=pytest.mark.slow),
+    ],
+)
 def test_what_the_camera_alone_does_or_does_not_see_leaves_them_on(change):
     found = [np.array([picture(each, change=change, seed=seed) for seed in range(12)]) for each in (WITHOUT, ALWAYS)]
     one, other = (each.mean(axis=(1, 2, 3)) for each in found)
@@ -386,6 +392,7 @@ def test_what_the_camera_alone_does_or_does_not_see_leaves_them_on(change):
     assert abs(one.mean() - other.mean()) < 4.0 * np.sqrt((one.var(ddof=1) + other.var(ddof=1)) / 12)
 
 
+@pytest.mark.slow
 def test_translucent_surfaces_are_left_to_paths():
     """A translucent sheet under the lamp carries most of the light."""
 

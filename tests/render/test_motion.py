@@ -161,6 +161,7 @@ class TestPictures:
         scene = self.change((lamp.shape,) * 2, matrix=lamp.matrix @ scenes.scaling(3.0, 2.0, 1.0))
         self.compare_with_stills(scene)
 
+    @pytest.mark.slow
     def test_a_light_that_grows_has_all_of_its_light(self):
         scene = scenes.torus_room(24, 16)
         scene.lamps, scene.shutter = [], Shutter()

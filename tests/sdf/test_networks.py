@@ -49,7 +49,7 @@ def _shape(name):
     return NETWORKS[name].shape()
 
 
-@pytest.fixture(params=[pytest.param(name, marks=[pytest.mark.slow] * (name == "wide")) for name in NETWORKS])
+@pytest.fixture(params=[pytest.param(name, marks=[pytest.mark.slow] * (name in ("wide", "deep"))) for name in NETWORKS])
 def network(request):
     return NETWORKS[request.param], _shape(request.param)
 
