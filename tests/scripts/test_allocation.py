@@ -48,13 +48,14 @@ def test_summary_tells_lamps_from_other_scenes():
 @pytest.mark.parametrize("term", allocation.TERMS)
 def test_what_a_term_switches_off_exists(term):
     from sdf_lights.render import sample_allocation
-    from sdf_lights.render.cpu import path_splitting
+    from sdf_lights.render.cpu import light_paths, path_splitting
     from sdf_lights.render.settings import Settings
 
     _, settings, values = allocation.TERMS[term]
     assert settings or values
     assert all(hasattr(Settings(), name) for name in settings)
-    assert all(hasattr(sample_allocation, name) != hasattr(path_splitting, name) for name in values)
+    modules = sample_allocation, path_splitting, light_paths
+    assert all(sum(hasattr(module, name) for module in modules) == 1 for name in values)
 
 
 def test_constants_of_kernels_reach_them():
