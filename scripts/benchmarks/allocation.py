@@ -74,7 +74,7 @@ TERMS: dict[str, tuple[str, dict, dict]] = {
     "neighbours": ("only the eight nearest neighbours count", {}, dict(NEAR=NEIGHBOURS, FAR=NEIGHBOURS)),
     "survival": ("Russian roulette may end branches with any probability", {}, dict(LEAST_SURVIVAL=0.0)),
     "no_roulette": ("no Russian roulette of branches", {}, dict(LEAST_SURVIVAL=math.inf)),
-    "connections": ("connections to light paths count as no time", {}, dict(CONNECTION_COST=0.0)),
+    "connections": ("connections to light paths count as no time", {}, dict(CONNECTION_COST=0.0, WEIGHTS_COST=0.0)),
     "connected_left": ("what connections estimate may end any branch", {}, dict(LEAST_PATH_WEIGHT=0.0)),
     "cost": ("what a sample costs beside branches and boxes counts as no time", {}, dict(COST=0.0)),
     "least_rate": ("pixels take a quarter of the set number of samples or more", {}, dict(LEAST_RATE=0.25)),

@@ -58,7 +58,8 @@ PILOT_SHARED, PILOT_TREE_SHARED = 16, 8
 MOST_PATHS, MOST_TREE_PATHS = 16384, 8192
 PILOT_NUMBER = 1 << 30  # of light paths: beyond those of samples
 MOST_VERTICES = 32  # of a path
-# Connections for each ray that scatters where paths split. A pilot has few light paths, so more connections tell less.
+# Connections for each ray that scatters where paths split. A pilot has few light paths, of
+# which more connections would tell little more.
 CONNECTIONS, PILOT_CONNECTIONS = 4, 1
 PATH_COST = 2.0  # of a light path, in samples of pixels
 NODES = 4096

@@ -50,7 +50,8 @@ from ..kernels.workspace import cut_table, secondary_table
 # Of a branch: estimates know nothing of what shadows, and of light by other ways. Without it: 1.0 to 1.3. Without
 # any Russian roulette of branches: 1.0 to 1.5.
 LEAST_SURVIVAL = 0.3
-# Time of a connection, and that of the weights at the next hit of a ray beside connections, in surfaces that rays meet.
+# Times, in surfaces that rays meet: of a connection, and of the weights that a ray beside connections needs at its next
+# hit.
 CONNECTION_COST, WEIGHTS_COST = 0.6, 0.4
 LEAST_PATH_WEIGHT = 0.02  # of a branch: no estimate may remove what connections do not find. Without: 1.0 to 1.3
 

@@ -78,8 +78,6 @@ SCALARS = [
     ("clearest", np.float64),  # of a surface that has data: ``Scene.clearest``
     ("transparent_film", np.int64),
     ("shows_environment", np.int64),  # 1: a pass has what a transparent film hides
-    ("filter_glossy", np.float64),  # blurs what rays of a density below it meet
-    ("caustics", np.int64),  # bits of GLOSSY and TRANSMISSION: what may follow a diffuse bounce
     ("emitters_hit", np.int64),  # 1: rays can meet emission other than that of SDF lamps
     ("transparent_shadows", np.int64),
     ("stops_light_rays", np.int64),  # 1: there are transparent surfaces that stop light rays

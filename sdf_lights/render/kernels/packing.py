@@ -68,6 +68,7 @@ SCALARS = [
     *rays.SCALARS,
     *geometry.SCALARS,
     *emission_graphs.SCALARS,
+    *shading.SCALARS,
     *integrator.SCALARS,
     *film.SCALARS,
     *motion.SCALARS,

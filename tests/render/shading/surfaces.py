@@ -13,6 +13,7 @@ from scipy.stats import qmc
 from sdf_lights.jit import block_dtype, fill_table, kernel
 from sdf_lights.render.kernels import geometry
 from sdf_lights.render.kernels.shading import (
+    SCALARS,
     TABLES,
     WORKSPACE_COUNTS,
     WORKSPACE_TABLES,
@@ -30,7 +31,6 @@ from sdf_lights.vec import add, dot, madd, mul, negate, normalize, scale, vec
 
 MAX_BOUNCES = 64
 SCATTERED = DIFFUSE | GLOSSY | TRANSMISSION
-SCALARS = [("caustics", np.int64)]  # of the integrator's, what shading reads
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 

@@ -8,6 +8,7 @@ from ...scene import Scene
 from ...tables import albedo
 from .. import textures
 from . import energy, material_compiler, material_records, special
+from .caustics import SCALARS
 from .graphs import Graphs
 from .material_records import MATERIAL, NO_GRAPH
 from .records import CLOSURE, SURFACE, WORKSPACE_COUNTS, WORKSPACE_TABLES
@@ -19,6 +20,7 @@ __all__ = [
     "Graphs",
     "MATERIAL",
     "NO_GRAPH",
+    "SCALARS",
     "SURFACE",
     "TABLES",
     "WORKSPACE_COUNTS",

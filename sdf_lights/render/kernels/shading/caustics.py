@@ -5,6 +5,8 @@ blurred for rays with a small pdf."""
 
 import math
 
+import numpy as np
+
 from ....jit import kernel
 from ....vec import ZERO, add, average, dot, put, vec
 from .microfacet import is_singular, reflectance
@@ -21,6 +23,11 @@ from .records import (
     closure_table,
     surface_table,
 )
+
+SCALARS = [
+    ("filter_glossy", np.float64),  # blurs what rays of a density below it meet
+    ("caustics", np.int64),  # bits of GLOSSY and TRANSMISSION: what may follow a diffuse bounce
+]
 
 LEAST_LEFT = 0.05  # part of a closure's probability that stays at least, if it loses reflection or refraction
 
