@@ -6,8 +6,9 @@
 // interactive path tracing").
 //
 // Before this file come the workspace, the kernels, `sums` of this thread's pixel, and `#define`s of PIXEL_SIZE and of
-// FILM_name, the index of each sum in a pixel, if a pass needs it; of GOES_ON; of PIXEL_SEED, the sampler's; and of PATH
-// and SAMPLE, the first rows of the workspace's tables. OUTPUTS: the film has passes of kernels/outputs/. CATCHERS: a path that has hit a shadow catcher continues once more from there, past all
+// FILM_name, the index of each sum in a pixel, if a pass needs it; of EACH_SUM(what), which repeats `what` for all
+// indices; of GOES_ON; of PIXEL_SEED, the sampler's; and of PATH and SAMPLE, the first rows of the workspace's tables.
+// OUTPUTS: the film has passes of kernels/outputs/. CATCHERS: a path that has hit a shadow catcher continues once more from there, past all
 // other objects (see catchers.py).
 
 layout(local_size_x = 64) in;
@@ -111,6 +112,11 @@ bool loops_end_early()
     return turns < 2;
 }
 
+// Not in a loop: an index that is no constant would put the sums of a thread into memory. Neighbouring threads read
+// neighbouring words: first the first sum of all pixels, then the second.
+#define LOAD_SUM(i) sums[i] = film[place + i * pixels_held];
+#define STORE_SUM(i) film[place + i * pixels_held] = sums[i];
+
 void main()
 {
     int thread = int(gl_GlobalInvocationID.x);
@@ -121,11 +127,10 @@ void main()
     int pixel = int(pixels[place]);
     int x = film_place.x + pixel % film_place.z;
     int y = film_place.y + pixel / film_place.z;
-    int first = place * PIXEL_SIZE;
-    for (int i = 0; i < PIXEL_SIZE; i++) {
-        sums[i] = film[first + i];
-    }
+    int pixels_held = film.length() / PIXEL_SIZE;
+    EACH_SUM(LOAD_SUM);
     clear_workspace();
+    choose_noted_lamp(thread);
     PATH.seed = PIXEL_SEED(x, y, film_seed);
     int index = work.z + int(sums[FILM_COUNT]);
     bool fresh = true;
@@ -168,7 +173,6 @@ void main()
         unfinished = 1u;
         return;
     }
-    for (int i = 0; i < PIXEL_SIZE; i++) {
-        film[first + i] = sums[i];
-    }
+    EACH_SUM(STORE_SUM);
+    write_lengths();
 }

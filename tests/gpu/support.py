@@ -144,8 +144,10 @@ void main()
 {
     int at = int(gl_GlobalInvocationID.x) * INPUTS;
     clear_workspace();
+    choose_noted_lamp(int(gl_GlobalInvocationID.x));
     RESULT found = NAME(ARGUMENTS);
     OUTPUTS
+    write_lengths();
 }
 """
 

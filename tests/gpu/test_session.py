@@ -39,6 +39,22 @@ def test_the_gpu_renders_when_it_is_asked_to():
     assert film.samples == 4 and film.read("Combined")[..., :3].mean() > 0.0
 
 
+@pytest.mark.parametrize("slab", [None, 64 * 3])
+def test_the_dispatches_of_a_graphics_card_give_the_same_sums(monkeypatch, slab):
+    """It takes more pixels and fewer samples at a time, and reads textures in another way."""
+    found = device_or_skip()
+    _, first = render(Device.GPU, samples=24)
+    monkeypatch.setattr(found, "images", not found.images)
+    if slab:
+        monkeypatch.setattr(renderer, "SLAB", slab)
+        monkeypatch.setattr(renderer, "SLAB_OF_CARD", slab)
+    _, second = render(Device.GPU, samples=24)
+    assert first.made_by == second.made_by == f"GPU ({found.name})"
+    for name in ("combined", "half", "depth"):
+        np.testing.assert_array_equal(first.sums[name], second.sums[name])
+    np.testing.assert_array_equal(first.count, second.count)
+
+
 @pytest.mark.slow
 def test_the_gpu_says_that_it_has_no_rolling_shutter():
     """The frame is blurred all the same."""

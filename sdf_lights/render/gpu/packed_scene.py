@@ -259,9 +259,11 @@ class GpuScene:
         each[lobes["kind"] == LOBE_SUBSURFACE] = 2  # and nodes that are not deep
         materials = tables["materials"]["lobes"]
         closures = max((int(each[first:last].sum()) for first, last in materials), default=1)
-        rows = [field_crossings.INTERVALS + 1]
+        rows = [1]
         for lamp in self.lamps:
-            if lamp.row["kind"][0] != emitter_lamps.FIELD:
+            if lamp.row["kind"][0] == emitter_lamps.FIELD:
+                rows.append(field_crossings.INTERVALS + 1)
+            else:
                 needed = intervals.rows_needed(lamp.program)[0]
                 if needed > MOST_ROWS:
                     raise DeviceError(
@@ -404,6 +406,7 @@ class GpuScene:
             numbers |= {"FILM_LIGHT": used, "FILM_DATA": used, "FILM_MATTES": used}
         numbers |= {f"FILM_{name.upper()}": place for name, place in places.items()}
         numbers["PIXEL_SIZE"] = used
+        numbers["EACH_SUM(what)"] = " ".join(f"what({place})" for place in range(used))
         rows = "rows[0]" if self.film.catches else "row"
         numbers |= {"PATH": f"path_{rows}", "SAMPLE": f"sample_{rows}"}
         switches = {
@@ -422,7 +425,11 @@ class GpuScene:
         ]
 
     def _lamp_source(self) -> str:
-        no_lengths = "void note_length(int lamp, int column, float amount) {}"
+        no_lengths = (
+            "void note_length(int lamp, int column, float amount) {}\n"
+            "void choose_noted_lamp(int thread) {}\n"
+            "void write_lengths() {}"
+        )
         reader = self.tables.reader("lamp_parameters")
         parts = [
             glsl("lengths.glsl") if self.formulas.fields else no_lengths,

@@ -26,9 +26,19 @@ from .packed_scene import TEXTURE_BITS, GpuScene, film_places
 POLL_SECONDS = 0.05
 GROUP = 64  # threads of a work group, as film.glsl has it
 SLAB = 1 << 18  # pixels whose sums are on the GPU at a time
+SLAB_OF_CARD, SLAB_BYTES = 1 << 20, 1 << 28  # likewise, and the most bytes of them, on a graphics card
 TARGET_SECONDS = 0.06  # of a dispatch
 FIRST_WORK = 512  # samples of the first dispatch, whose speed is unknown
 MOST_SAMPLES = 1 << 10  # of a thread in a dispatch
+# Samples of a thread in a dispatch of a graphics card, as long as there are more pixels: many short threads end at
+# about the same time, but a thread with few samples begins its next one seldom while others of its group continue.
+LEAST_SAMPLES = 8
+
+
+def _add(array: np.ndarray, rows, part: np.ndarray) -> None:
+    """Add ``part`` (columns, n) to these n rows of ``array``, column by column: all at a time takes longer."""
+    for column, numbers in enumerate(part):
+        array[rows, column] += numbers
 
 
 class GpuRenderer:
@@ -45,7 +55,10 @@ class GpuRenderer:
         self._device = device()
         self._made: list = []
         self._places, self._size = film_places(film)
-        self._slab = min(SLAB, len(film.active), max(self._device.largest_buffer // (4 * self._size), 1))
+        bytes_, slab = self._device.largest_buffer, SLAB
+        if not self._device.images:
+            bytes_, slab = min(bytes_, SLAB_BYTES), SLAB_OF_CARD
+        self._slab = min(slab, len(film.active), max(bytes_ // (4 * self._size), 1))
         self._work, self._longest = FIRST_WORK, MOST_SAMPLES
         self._seed, self._offset = scene.settings.seed, scene.settings.sample_offset
         self._scene, self._shutter, self._loaded = scene, scene.shutter, []
@@ -199,8 +212,8 @@ class GpuRenderer:
         self._pixels.write(np.concatenate([[0], pixels]).astype(np.uint32))
         self._sums.clear()
         if "mattes" in self._places:  # the slots of a pixel go on from what it has
-            sums = np.zeros((len(pixels), self._size), np.float32)
-            sums[:, self._of("mattes")] = self._film.matte_sums[pixels].reshape(len(pixels), -1)
+            sums = np.zeros((self._size, self._slab), np.float32)
+            sums[self._of("mattes"), : len(pixels)] = self._film.matte_sums[pixels].reshape(len(pixels), -1).T
             self._sums.write(sums)
 
     def _of(self, name: str) -> slice:
@@ -223,31 +236,33 @@ class GpuRenderer:
     def _collect(self, context, pixels: np.ndarray) -> None:
         """Add the GPU's sums to the film."""
         film = self._film
-        sums = np.frombuffer(self._sums.read(len(pixels) * self._size * 4), np.float32).reshape(len(pixels), self._size)
+        sums = np.frombuffer(self._sums.read(), np.float32).reshape(self._size, -1)[:, : len(pixels)]
         # A slice is ten times as fast as a list of pixels.
         rows = slice(pixels[0], pixels[-1] + 1) if pixels[-1] - pixels[0] + 1 == len(pixels) else pixels
-        seen = sums[:, self._places["surfaces"]].astype(np.int32)
+        seen = sums[self._places["surfaces"]].astype(np.int32)
         fresh = (seen > 0) & (film.surfaces[rows] == 0)
         for name, array in film.sums.items():
             if name in self._places:
                 array = array.reshape(len(film.active), -1)
-                part = sums[:, self._places[name] : self._places[name] + array.shape[1]]
+                part = sums[self._places[name] : self._places[name] + array.shape[1]]
                 if name in ("position", "depth"):  # of the first sample that hit a surface
-                    array[pixels[fresh]] = part[fresh]
+                    array[pixels[fresh]] = part[:, fresh].T
                 else:
-                    array[rows] += part
+                    _add(array, rows, part)
         discarded = film.discarded.reshape(len(film.active), -1)
         for column, name in enumerate(("nan", "infinite")):
-            discarded[rows, column] += sums[:, self._places[name]].astype(np.int32)
+            number = sums[self._places[name]]
+            if number.any():
+                discarded[rows, column] += number.astype(np.int32)
         if "light" in self._places:
-            film.light_sums[rows] += sums[:, self._of("light")]
+            _add(film.light_sums, rows, sums[self._of("light")])
         if "data" in self._places:
-            part = sums[:, self._of("data")].copy()
-            part[np.ix_(film.count[rows] > 0, self._packed.first_alone)] = 0.0
-            film.data_sums[rows] += part
+            part = sums[self._of("data")].copy()
+            part[np.ix_(self._packed.first_alone, film.count[rows] > 0)] = 0.0
+            _add(film.data_sums, rows, part)
         if "mattes" in self._places:
-            film.matte_sums[rows] = sums[:, self._of("mattes")].reshape(len(pixels), *film.matte_sums.shape[1:])
-        film.count[rows] += sums[:, self._places["count"]].astype(np.int32)
+            film.matte_sums[rows] = sums[self._of("mattes")].T.reshape(len(pixels), *film.matte_sums.shape[1:])
+        film.count[rows] += sums[self._places["count"]].astype(np.int32)
         film.surfaces[rows] += seen
 
     def sample(self, first: int, count: int, stop: Callable[[], bool], report: Callable[[float], None]) -> bool:
@@ -270,7 +285,8 @@ class GpuRenderer:
                     self._call(self._move, begin)
                 place = 0
                 while place < len(pixels) and not stopped:
-                    threads = min(max(self._work // many // GROUP, 1) * GROUP, len(pixels) - place)
+                    each = self._samples_of_thread(len(pixels) - place, many)
+                    threads = min(max(self._work // each // GROUP, 1) * GROUP, len(pixels) - place)
                     sample = begin
                     while sample < begin + many and not stopped:
                         end = min(sample + min(max(self._work // threads, 1), self._longest), begin + many)
@@ -290,6 +306,12 @@ class GpuRenderer:
                 return False
         self._film.samples = first + count
         return True
+
+    def _samples_of_thread(self, pixels: int, many: int) -> int:
+        """How many of ``many`` samples a thread takes in a dispatch, if so many pixels are left."""
+        if self._device.images:  # software runs few threads at a time
+            return many
+        return min(max(self._work // pixels, LEAST_SAMPLES), many)
 
     def _adapt(self, samples: int, seconds: float) -> None:
         """Choose the size of dispatches by the time of the last one."""
