@@ -29,6 +29,7 @@ NAMES = (
     "cycles",
     "paper",
     "scaling",
+    "programs",
     "wavefront",
     "gpucuts",
     "viewport",

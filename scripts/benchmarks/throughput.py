@@ -13,13 +13,14 @@ turn by projection with MIS.
 from __future__ import annotations
 
 import functools
+import os
 import statistics
 
 import bpy
 
 from sdf_lights.render.settings import LampSampling
 
-from . import lamp_scenes, pictures, simple_scenes, startup, turns
+from . import lamp_scenes, pictures, programs, simple_scenes, some_of, startup, turns
 from .progress import Progress
 from .resume import Parts
 
@@ -30,6 +31,12 @@ def arguments(parser) -> None:
     startup.arguments(parser)
     parser.add_argument("--size", type=int, help="pixels along a side (default: 256; lamp scenes 128)")
     parser.add_argument("--only", help="lamp scenes, separated by commas (default: all)")
+    parser.add_argument(
+        "--cards",
+        type=some_of(simple_scenes.CYCLES_ON_CARDS),
+        help="back ends of Cycles for graphics cards, separated by commas (default: all that find a card)",
+    )
+    programs.processes_argument(parser)
 
 
 ENGINES = ("SDF Lights", "Cycles")
@@ -42,10 +49,14 @@ LAMP_SCENES = (*lamp_scenes.THE_FIVE, "blob")  # the last has no closed form
 BRIEF = dict(repeats=1)
 
 
+def _cards(options) -> list[str]:
+    return [kind for kind in simple_scenes.cycles_cards() if not options.cards or kind in options.cards]
+
+
 def _engines(options) -> tuple[str, ...]:
     if options.device != "GPU":
         return ENGINES
-    return (*ENGINES, ON_CPU, *(f"{ON_CARD}{kind}" for kind in simple_scenes.cycles_cards()))
+    return (*ENGINES, ON_CPU, *(f"{ON_CARD}{kind}" for kind in _cards(options)))
 
 
 def _prepare(name: str, scene, samples: int, bounces: int, device: str) -> None:
@@ -55,6 +66,11 @@ def _prepare(name: str, scene, samples: int, bounces: int, device: str) -> None:
         simple_scenes.plain_sdf_lights(scene, samples, bounces, "CPU" if name in (ON_CPU, BY_PROJECTION[1]) else device)
         sampling = LampSampling.MIS if name in BY_PROJECTION else LampSampling.CUT
         scene.sdf_lights.lamp_sampling = sampling.value
+
+
+def _lamp_scenes(options) -> list[str]:
+    names = options.only.split(",") if options.only else list(LAMP_SCENES)
+    return names[:1] if options.quick else names
 
 
 def _seconds(options) -> float:
@@ -112,67 +128,72 @@ def rates(options, parts: Parts, progress: Progress) -> tuple[dict, list[dict]]:
     return summary, rows
 
 
-def on_lamp_scenes(options) -> tuple[dict, list[dict]]:
+def on_lamp_scene(name: str, options) -> dict:
     """Samples a second of the GPU, of Cycles, for which lamps are volumes, and of the CPU: direct light, with the same
     estimators on GPU and CPU: cuts, and projection with MIS."""
     size = options.size or 128
     few, many = (1, 5) if options.quick else (4, 36)
     repeats = options.repeats or (1 if options.quick else 5)
-    rows, ratios, ratios_by_projection = [], [], []
-    engines, cards = (*_engines(options), *BY_PROJECTION), simple_scenes.cycles_cards()
-    names = options.only.split(",") if options.only else LAMP_SCENES
-    for name in names[:1] if options.quick else names:
-        lamp_scenes.SCENES[name].build(size)
+    engines, cards = (*_engines(options), *BY_PROJECTION), _cards(options)
+    lamp_scenes.SCENES[name].build(size)
 
-        def render(engine: str, samples: int) -> pictures.Picture:
-            lamp_scenes.show(volumes=engine.startswith("Cycles"))
-            _prepare(engine, bpy.context.scene, samples, 0, options.device)
-            return pictures.render()
+    def render(engine: str, samples: int) -> pictures.Picture:
+        lamp_scenes.show(volumes=engine.startswith("Cycles"))
+        _prepare(engine, bpy.context.scene, samples, 0, options.device)
+        return pictures.render()
 
-        found = turns.rates(engines, few, many, repeats, render, _seconds(options))
-        means = {engine: rate.mean for engine, rate in found.items()}
-        rate = [each.per_second(size * size) for each in found.values()]
-        gpu, cycles, cpu = rate[: len(engines) - len(cards) - 2]
-        gpu_by_projection, cpu_by_projection = rate[-2:]
-        ratios.append(gpu / cpu)
-        ratios_by_projection.append(gpu_by_projection / cpu_by_projection)
-        rows.append(
-            dict(
-                scene=name,
-                samples=found[engines[0]].samples,
-                pixels=size * size,
-                repeats=repeats,
-                gpu_samples_per_second=gpu,
-                cycles_samples_per_second=cycles,
-                cpu_samples_per_second=cpu,
-                gpu_samples_per_second_by_projection=gpu_by_projection,
-                cpu_samples_per_second_by_projection=cpu_by_projection,
-                **{f"cycles_{kind.lower()}_samples_per_second": speed for kind, speed in zip(cards, rate[3:-2])},
-                ratio=ratios[-1],
-                ratio_by_projection=ratios_by_projection[-1],
-                mean_gpu=means[engines[0]],
-                mean_cpu=means[ON_CPU],
-                gpu_first_render_seconds=found[engines[0]].first,
-            )
-        )
+    found = turns.rates(engines, few, many, repeats, render, _seconds(options))
+    rate = [each.per_second(size * size) for each in found.values()]
+    gpu, cycles, cpu = rate[: len(engines) - len(cards) - 2]
+    gpu_by_projection, cpu_by_projection = rate[-2:]
+    return dict(
+        scene=name,
+        samples=found[engines[0]].samples,
+        pixels=size * size,
+        repeats=repeats,
+        gpu_samples_per_second=gpu,
+        cycles_samples_per_second=cycles,
+        cpu_samples_per_second=cpu,
+        gpu_samples_per_second_by_projection=gpu_by_projection,
+        cpu_samples_per_second_by_projection=cpu_by_projection,
+        **{f"cycles_{kind.lower()}_samples_per_second": speed for kind, speed in zip(cards, rate[3:-2])},
+        ratio=gpu / cpu,
+        ratio_by_projection=gpu_by_projection / cpu_by_projection,
+        mean_gpu=found[engines[0]].mean,
+        mean_cpu=found[ON_CPU].mean,
+        gpu_first_render_seconds=found[engines[0]].first,
+    )
+
+
+def on_lamp_scenes(options, parts: Parts, progress: Progress) -> tuple[dict, list[dict]]:
+    rows = []
+    for name in _lamp_scenes(options):
+        progress.show(name)
+        rows.append(parts.of(name, functools.partial(on_lamp_scene, name, options)))
+        progress.step()
+    ratios = [row["ratio"] for row in rows]
     return dict(
         gpu_to_cpu_samples_ratio=statistics.geometric_mean(ratios),
         gpu_to_cpu_samples_ratio_min=min(ratios),
-        gpu_to_cpu_samples_ratio_by_projection=statistics.geometric_mean(ratios_by_projection),
+        gpu_to_cpu_samples_ratio_by_projection=statistics.geometric_mean(row["ratio_by_projection"] for row in rows),
     ), rows
 
 
 def run(options) -> tuple[dict, list[dict]]:
     on_gpu = options.device == "GPU"
     with_startup = not on_gpu and options.name != "all"  # which runs ``startup`` by itself
-    progress = Progress(len(BOUNCES) + (1 if on_gpu else 0) + (1 + startup.turns(options) if with_startup else 0))
+    steps = 1 + len(_lamp_scenes(options)) if on_gpu else 1 + startup.turns(options) if with_startup else 0
+    progress = Progress(len(BOUNCES) + steps)
     parts = Parts(options)
+    if on_gpu:
+        progress.show("the GPU's programs")
+        cases = [case for name in _lamp_scenes(options) for case in programs.lamp_cases(name)[:2]]  # without bounces
+        programs.fill_cache([*programs.PLAIN_CASES, *cases], options.processes or os.cpu_count() or 1)
+        progress.step()
     summary, rows = rates(options, parts, progress)
     found, added = {}, []
     if on_gpu:
-        progress.show("lamp scenes")
-        found, added = parts.of("lamp scenes", functools.partial(on_lamp_scenes, options))
-        progress.step()
+        found, added = on_lamp_scenes(options, parts, progress)
     elif with_startup:
         found, added = startup.measured(options, parts, progress)
     summary |= found
