@@ -15,11 +15,11 @@ from ...graph.formula import VARIABLE, order
 from ..kernels.light_paths import tree
 from ..kernels.light_paths.records import (
     CONNECTS,
+    CONNECTS_ALL,
     FOLLOW_ALL,
     FOLLOW_DIFFUSE,
     MOST_TOPS,
     NODE,
-    ONLY_DIFFUSE,
     VERTEX,
 )
 from ..kernels.light_paths.trace import find_pilots, trace_light_paths, weight_by_visibility
@@ -72,6 +72,7 @@ SIMPLE_LOBES = (*range(LOBE_ALPHA + 1), LOBE_SHEEN, LOBE_VELVET)
 UNBLURRED_LOBES = tuple(
     set(SIMPLE_LOBES) - {LOBE_GLOSSY, LOBE_GLASS, LOBE_REFRACTION, LOBE_PRINCIPLED}
 )  # by Filter Glossy
+BROAD_LOBES = (LOBE_DIFFUSE, LOBE_TRANSLUCENT)
 LEAST_FILTER = 1.0  # limit of Filter Glossy: well above 1/π, the greatest density of diffuse scattering
 END_OF_KNOWN, THIN = LOBE_SUBSURFACE + 1, WITH_THIN_WALL | WITH_THIN_SCATTERING
 
@@ -195,10 +196,8 @@ def vertices_of(scene: Scene, packed: PackedScene) -> int:
 
 
 def materials_of(packed: PackedScene) -> np.ndarray:
-    """(materials,) sums of CONNECTS, ONLY_DIFFUSE, FOLLOW_DIFFUSE and FOLLOW_ALL.
+    """(materials,) sums of CONNECTS, CONNECTS_ALL, FOLLOW_DIFFUSE and FOLLOW_ALL.
 
-    - Light that a material passes on diffusely is not connected: of which side of it a light path comes, a path from
-      the camera does not know.
     - Light paths follow no closure that may be sharp but a mirror's or glass's, and none that they do not know.
     - Filter Glossy blurs lobes by all of the path from the camera, of which a light path knows only what is usual. From
       the limit ``LEAST_FILTER`` on, this hardly matters. Below, light paths follow no lobes.
@@ -213,8 +212,8 @@ def materials_of(packed: PackedScene) -> np.ndarray:
             continue
         simple = np.isin(kinds, followed).all() and not (features & (WITH_FACETS | WITH_SUBSURFACE)).any()
         found.append(
-            CONNECTS * int(LOBE_TRANSLUCENT not in kinds)
-            | ONLY_DIFFUSE * int((kinds == LOBE_DIFFUSE).all())
+            CONNECTS
+            | CONNECTS_ALL * int(np.isin(kinds, BROAD_LOBES).all() or simple and filtered >= LEAST_FILTER)
             | FOLLOW_DIFFUSE
             | FOLLOW_ALL * int(simple)
         )

@@ -22,7 +22,6 @@ from ..kernels.integrator import (
     trace_path,
 )
 from ..kernels.light_paths import dispatch as light_paths
-from ..kernels.light_paths.records import FOLLOW_ALL, FOLLOW_DIFFUSE
 from ..kernels.media.records import inside_table
 from ..kernels.motion import block_at, draw_time
 from ..kernels.outputs import dispatch as outputs
@@ -112,9 +111,8 @@ def trace_branches(block, workspace, x, y, branches, first_branch):
             sample.met += CONNECTION_COST * block.light_path_connections + WEIGHTS_COST
         paths[0].alive = int(scatter(block, workspace))
         if block.light_paths and paths[0].alive and paths[0].pdf > 0.0 and paths[0].event != AT_EXIT:
-            paths[0].connects, paths[0].follow = BEFORE, FOLLOW_DIFFUSE if paths[0].has_glossy else FOLLOW_ALL
-            put(paths[0].diffuse_connection_weight, WHITE)
-            light_paths.record_connected(block, workspace, vec(paths[0].direction))
+            paths[0].connects = BEFORE
+            put(paths[0].connection_weight, WHITE)
         paths[0].brought = brightness(sample) - light
         if block.has_subsurface:
             ray_table(workspace)[FIRST_BRANCH_RAY + branch] = ray_table(workspace)[0]

@@ -28,12 +28,11 @@ from .outputs.state import LIGHT_RAY
 from .path import BEYOND, LIGHT_SET, contribute, path_table, put_depths, sample_table
 from .samplers import get_4d
 from .shading import evaluate, has_lobes, shade, transmits
-from .shading.records import DIFFUSE, GLOSSY, TRANSMISSION
+from .shading.records import SCATTERED
 from .terminator import light_start
 from .visibility import BLACK, shadow_ray, transmittance, visible_lamp
 from .workspace import box_table, cut_of, light_cut_of, region_table, secondary_table, spans_of
 
-SCATTERED = DIFFUSE | GLOSSY | TRANSMISSION
 NO_RAY = 0  # light sampling evaluates emission for all kinds of rays at once, as in Cycles
 
 

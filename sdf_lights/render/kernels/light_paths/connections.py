@@ -2,15 +2,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Connections from a surface to vertices of light paths, and what they leave to paths.
 
-Light that a place y scatters diffusely to a point x, which scatters it diffusely, is estimated twice. Strategy 1
-connects x with vertices of light paths; all earlier bounces are in these. Strategy 2 is the path, whose ray from x
-meets y. Their weights w₁ and w₂ = 1 − w₁ are functions of x and y alone, so any are right:
+Light that a place y scatters to a point x, which scatters it on, is estimated twice. Strategy 1 connects x with
+vertices of light paths; all earlier bounces are in these. Strategy 2 is the path, whose ray from x meets y. What a
+mirror scatters at either end is left to it. The weights w₁ and w₂ = 1 − w₁ do not depend on the vertices, so any are
+right:
 
-    w₁ = min(1, α/β),   α = n₁ p(y|x),   β = RELIEF · n₂ · cos_x cos_y / (π d²).
+    w₁ = min(1, α/β) · s(y),   α = n₁ p(y|x),   β = RELIEF · n₂ · p(ω|x) cos_y / d².
 
-p is an estimate of the density of strategy 1 at y, and β that of strategy 2. A connection is worth as much as RELIEF
-rays, which need light rays and more bounces at y. As w₁ falls with d², no connection is bright because it is short
-(Kollig and Keller 2004, "Illumination in the presence of weak singularities").
+p(y|x) is an estimate of the density of strategy 1 at y, and β that of strategy 2, with the density p(ω|x) of its BSDF
+ray. A connection is worth as much as RELIEF rays, which need light rays and more bounces at y. As w₁ falls with d², no
+connection is bright because it is short (Kollig and Keller 2004, "Illumination in the presence of weak singularities").
+s is less than 1 where y scatters light from its direction by a sharp lobe: see ``left_by_lobes``.
 """
 
 from __future__ import annotations
@@ -29,15 +31,16 @@ from ..rays import hit_instance, hit_normal, ray_table
 from ..samplers import get_1d, get_2d
 from ..shading import evaluate, shade
 from ..shading.caustics import blur_lobes
-from ..shading.records import DIFFUSE, GLOSSY, MICROFACET, TRANSMISSION, closure_table, surface_table
+from ..shading.records import DIFFUSE, MICROFACET, SCATTERED, closure_table, surface_table
 from ..visibility import shadow_ray, transmittance
 from ..workspace import secondary_table
 from . import tree
 from .records import (
+    AT_VERTEX,
     CONNECTS,
+    CONNECTS_ALL,
     FOLLOW_ALL,
     FOLLOW_DIFFUSE,
-    ONLY_DIFFUSE,
     choice_table,
     material_table,
     node_table,
@@ -45,18 +48,33 @@ from .records import (
 )
 
 RELIEF = 0.125
+BROAD = 1.0  # density (1/sr) of scattering up to which connections take all light; of diffuse scattering it is 1/π
 CONNECTION_SETS, KIND_SETS, ROULETTE_SETS = 1 << 25, 1 << 26, 1 << 27  # of random numbers, beside those of path.py
 
 
 @kernel
-def weight(block, workspace, x, n, y, normal, wi, distance):
-    """w₁ for the light that y, with the geometric ``normal`` on the side of x, scatters to x with the shading normal
-    n."""
-    cosine_x, cosine_y = dot(n, wi), -dot(normal, wi)
-    if cosine_x <= 0.0 or cosine_y <= 0.0:
+def weight(block, workspace, x, n, pdf, y, normal, wi, distance):
+    """w₁ without s, for the light that y, with the geometric ``normal`` on the side of x, scatters to x. x has the
+    shading normal n, and its BSDF draws wi with the density ``pdf``."""
+    cosine = -dot(normal, wi)
+    if dot(n, wi) <= 0.0 or cosine <= 0.0 or not pdf > 0.0:
         return 0.0
     alpha = block.light_path_connections * tree.density(block, workspace, x, n, y, normal)
-    return min(alpha * math.pi * distance * distance / (RELIEF * cosine_x * cosine_y), 1.0)
+    return min(alpha * distance * distance / (RELIEF * pdf * cosine), 1.0)
+
+
+@kernel
+def left_by_lobes(density):
+    """s, where y scatters light with this density: sharp lobes are left to paths, which sample them."""
+    return BROAD / max(density, BROAD)
+
+
+@kernel
+def breadth(closure):
+    """About ``left_by_lobes`` for what a closure scatters: a microfacet lobe has the density 1 / (4 π α²) at most."""
+    if closure.singular:
+        return 0.0
+    return min(BROAD * 4.0 * math.pi * closure.alpha * closure.alpha, 1.0) if closure.kind >= MICROFACET else 1.0
 
 
 @kernel
@@ -81,14 +99,16 @@ def connect(block, workspace, _):
 @kernel
 def _reaches(block, path, vertex, here, there):
     """Whether a path from the camera would have come from here to the light beyond the vertex, by its limits:
-    ``here`` and ``there`` are 1 where it would have counted the bounce at either end as glossy, 0 as diffuse."""
-    glossy, diffuse = here, 1 - here
+    ``here`` and ``there`` are 1 where it would have counted the bounce at either end as glossy, 0 as diffuse. All that
+    a surface passes on counts as transmission."""
+    glossy, diffuse, transmission = here, 1 - here, 0
     if vertex.scatters > 1:  # how light rays are scattered does not count
-        glossy, diffuse = glossy + there, diffuse + 1 - there
+        transmission = int(dot(vec(vertex.normal), vec(vertex.wi)) < 0.0)
+        glossy, diffuse = glossy + there * (1 - transmission), diffuse + (1 - there) * (1 - transmission)
     return (
         path.diffuse + vertex.diffuse + diffuse <= block.diffuse_bounces
         and path.glossy + vertex.glossy + glossy <= block.glossy_bounces
-        and path.transmission + vertex.transmission <= block.transmission_bounces
+        and path.transmission + vertex.transmission + transmission <= block.transmission_bounces
     )
 
 
@@ -106,11 +126,13 @@ def _connect_with(block, workspace, x, n, vertex, factor, kinds):
     wi = scale(way, 1.0 / distance)
     normal = vec(vertex.normal)
     cosine = -dot(normal, wi)
-    part = weight(block, workspace, x, n, y, normal, wi, distance)
-    if part <= 0.0:
+    if cosine <= 0.0:
         return
-    value, density, glossy_pdf = evaluate(block, workspace, wi, DIFFUSE)
+    value, density, glossy_pdf = evaluate(block, workspace, wi, SCATTERED)
     if average(value) <= 0.0:
+        return
+    part = weight(block, workspace, x, n, density, y, normal, wi, distance)
+    if part <= 0.0:
         return
     secondary = secondary_table(workspace)[0]
     footprint = distance * block.camera_pixel_angle + block.camera_pixel_width
@@ -127,7 +149,7 @@ def _connect_with(block, workspace, x, n, vertex, factor, kinds):
     )
     shade(block, secondary)
     blur_lobes(block, secondary, min(path.least_pdf, density))
-    scattered, density_there, glossy_there = evaluate(block, secondary, vec(vertex.wi), DIFFUSE)
+    scattered, density_there, glossy_there = evaluate(block, secondary, vec(vertex.wi), SCATTERED)
     value = mul(mul(value, scattered), vec(vertex.flux))
     if average(value) <= 0.0:
         return
@@ -146,7 +168,8 @@ def _connect_with(block, workspace, x, n, vertex, factor, kinds):
     path.transparent = passed
     # The flux through the surface is its irradiance by area.
     geometry = cosine / (distance * distance * abs(dot(vec(vertex.normal), vec(vertex.wi))))
-    contribute(block, workspace, value, part * factor * geometry, vertex.emitter, path.bounce + 1 + vertex.scatters)
+    factor *= part * left_by_lobes(density_there)
+    contribute(block, workspace, value, factor * geometry, vertex.emitter, path.bounce + 1 + vertex.scatters)
 
 
 @kernel
@@ -156,11 +179,14 @@ def record_connected(block, workspace, x, y, z):
     path, wi = path_table(workspace)[0], (x, y, z)
     if path.follow & FOLLOW_ALL:
         put(path.connection_weight, vec(path.diffuse_connection_weight))
+    elif path.follow & AT_VERTEX:
+        _, density, _ = evaluate(block, workspace, wi, SCATTERED)
+        put(path.connection_weight, scale(vec(path.diffuse_connection_weight), left_by_lobes(density)))
     elif path.follow & FOLLOW_DIFFUSE == 0:
         put(path.connection_weight, ZERO)
     else:
         diffuse, _, _ = evaluate(block, workspace, wi, DIFFUSE)
-        total, _, _ = evaluate(block, workspace, wi, DIFFUSE | GLOSSY | TRANSMISSION)
+        total, _, _ = evaluate(block, workspace, wi, SCATTERED)
         for axis in range(3):
             part = diffuse[axis] / total[axis] if total[axis] > 0.0 else 0.0
             path.connection_weight[axis] = path.diffuse_connection_weight[axis] * part
@@ -175,7 +201,7 @@ def estimated_path_weight(block, workspace, _):
     instance = instance_at(block, hit_instance(ray))
     if block.light_path_roulette >= 1.0 or instance.primitive != TRIANGLES:
         return 1.0
-    if material_table(block)[hit_material(instance, block, np.int64(ray.primitive))] & ONLY_DIFFUSE == 0:
+    if material_table(block)[hit_material(instance, block, np.int64(ray.primitive))] & CONNECTS_ALL == 0:
         return 1.0
     x, wi = vec(path.origin), vec(path.direction)
     normal = hit_normal(ray)
@@ -184,7 +210,7 @@ def estimated_path_weight(block, workspace, _):
         normal = negate(normal)
     y = madd(x, path.length, wi)
     return 1.0 - average(vec(path.connection_weight)) * weight(
-        block, workspace, x, vec(path.normal), y, normal, wi, path.length
+        block, workspace, x, vec(path.normal), path.pdf, y, normal, wi, path.length
     )
 
 
@@ -192,7 +218,7 @@ def estimated_path_weight(block, workspace, _):
 def apply_path_weight(block, workspace, _):
     """Leave to connections what they find of the light that the surface of the workspace scatters. 0 if the path ends.
 
-    They find w₁ of what is scattered diffusely where the ray from x arrives, and later what light paths follow. The
+    They find w₁ of what is scattered where the ray from x arrives, and later what light paths follow. The
     path ends with the chance that this leaves over, but where other light may come that way. Closures are drawn as
     often as before: limits of bounces depend on what is drawn.
     """
@@ -203,28 +229,21 @@ def apply_path_weight(block, workspace, _):
         path.follow = flags
         put(path.diffuse_connection_weight, vec(path.connection_weight))
         return 1.0
-    path.connects, path.follow = BEYOND, flags & ~FOLLOW_ALL
+    path.connects, path.follow = BEYOND, AT_VERTEX
     x, y = vec(path.origin), vec(surface.position)
     way = sub(y, x)
     distance = length(way)
     part = 0.0
     if flags & CONNECTS and distance > 0.0:
-        part = weight(block, workspace, x, vec(path.normal), y, vec(surface.ng), scale(way, 1.0 / distance), distance)
+        wi = scale(way, 1.0 / distance)
+        part = weight(block, workspace, x, vec(path.normal), path.pdf, y, vec(surface.ng), wi, distance)
     if part <= 0.0:
         path.connects = NOWHERE
         return 1.0
     put(path.diffuse_connection_weight, scale(vec(path.connection_weight), part))
-    rest = average(sub(WHITE, vec(path.diffuse_connection_weight)))
-    total, only_diffuse = 0.0, True
+    connected, total = average(vec(path.diffuse_connection_weight)), 0.0
     for index in range(surface.closure_count):
-        closure = closures[index]
-        if closure.kind < MICROFACET and closure.singular == 0:
-            total += closure.pick * rest
-        else:
-            total += closure.pick
-            only_diffuse = False
-    if only_diffuse:
-        path.follow |= FOLLOW_ALL
+        total += closures[index].pick * (1.0 - connected * breadth(closures[index]))
     survival = min(max(total / path.path_weight, block.light_path_roulette), 1.0)
     if survival < 1.0:
         if get_1d(path.index, path.seed, path.dimension + ROULETTE_SETS) >= survival:

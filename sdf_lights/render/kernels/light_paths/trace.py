@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Light paths: from points of lamps, lights and emissive triangles on, by emission, with a vertex wherever a surface
-scatters some light diffusely.
+scatters light.
 
 A path carries flux. A surface scatters it by the BSDF that a path from the camera would meet, so a surface is shaded
 once more for the direction that was drawn, with the light where that came from (Veach 1997, section 5.3: adjoint
@@ -30,24 +30,24 @@ from ..camera import camera_ray
 from ..geometry import TRIANGLES, find_surface, instance_table, surface_at, surface_table
 from ..ray_origins import clear_self_primitive, offset_ray_origin, spawn_ray
 from ..rays import SHADOW_OPAQUE, beyond, hit_instance, intersect, occluded, ray_table, start_anew
-from ..samplers import get_2d, get_3d, get_4d, pixel_seed
+from ..samplers import get_2d, get_4d, pixel_seed
 from ..shading import evaluate, sample, shade
 from ..shading.caustics import blur_lobes
 from ..shading.microfacet import reflectance
 from ..shading.records import (
     DIFFUSE,
-    GLOSSY,
     MICROFACET,
+    SCATTERED,
     SINGULAR,
-    TRANSMISSION,
+    TRANSLUCENT,
     TRANSPARENT,
     closure_table,
 )
 from ..visibility import shadow_ray
 from ..workspace import secondary_table
+from .connections import breadth
 from .records import CONNECTS, FOLLOW_ALL, FOLLOW_DIFFUSE, material_table, power_table
 
-ANY = DIFFUSE | GLOSSY | TRANSMISSION
 SAME_DIRECTION = 1.0 - 1e-9  # cosine of the angle between what a mirror gives and what it should
 VISIBILITY_RAYS, LEAST_VISIBILITY = 4, 0.02  # rays from a vertex to pilots; what it counts where none of these see it
 NEARLY = 0.999  # of the way to a pilot, whose surface is not in the way
@@ -173,7 +173,7 @@ def _scattered(block, workspace, wi, kind, pdf):
     if kind & SINGULAR:
         value, _, ratio = _mirrored(workspace, wi)
         return scale(value, turn * ratio), 1.0
-    kinds = ANY if material_table(block)[surface.material] & FOLLOW_ALL else DIFFUSE
+    kinds = SCATTERED if material_table(block)[surface.material] & FOLLOW_ALL else DIFFUSE
     value, density, glossy_pdf = evaluate(block, workspace, wi, kinds)
     return scale(value, turn), glossy_pdf / density if density > 0.0 else 0.0
 
@@ -185,13 +185,21 @@ def _expected_density(cosine):
 
 
 @kernel
-def _diffuse(workspace):
-    """Whether the surface of the workspace scatters some light diffusely."""
-    closures = closure_table(workspace)
-    for index in range(surface_table(workspace)[0].closure_count):
-        if closures[index].kind < MICROFACET and closures[index].singular == 0:
-            return True
-    return False
+def _importance(workspace, flux):
+    """Estimates of the power that the surface of the workspace scatters to this side and to the other, as far as
+    connections find it."""
+    surface, closures, here, beyond_it = surface_table(workspace)[0], closure_table(workspace), 0.0, 0.0
+    for index in range(surface.closure_count):
+        closure = closures[index]
+        power = breadth(closure) * average(mul(vec(closure.weight), flux))
+        if closure.kind == TRANSLUCENT:
+            beyond_it += power
+        elif closure.kind == MICROFACET and power > 0.0:
+            r, t, _ = reflectance(closure, abs(dot(vec(closure.normal), vec(surface.wo))))
+            here, beyond_it = here + power * average(r), beyond_it + power * average(t)
+        else:
+            here += power
+    return here, beyond_it
 
 
 @kernel
@@ -239,18 +247,22 @@ def _trace(block, workspace, index, total, seed, raw, first, width):
         triangle = instance_table(block)[instance].primitive == TRIANGLES
         flags = material_table(block)[surface.material] if triangle else 0
         position, ng = vec(surface.position), vec(surface.ng)
-        albedo = average(mul(vec(surface.diffuse_albedo), flux))
         lit, alone = True, False
         if scatters == 1:
             alone = _is_singular(block, emitter, position, wi)
             lit = alone or _is_lit(block, workspace, emitter, origin, direction, position, distance)
-        if lit and albedo > 0.0 and flags & CONNECTS and _diffuse(workspace):
-            vertex = raw[first + count]
+        blur_lobes(block, workspace, MEAN_DENSITY)
+        here, beyond_it = _importance(workspace, flux) if lit and flags & CONNECTS else (0.0, 0.0)
+        numbers = get_4d(index, seed, dimension)
+        if here + beyond_it > 0.0:
+            # One vertex stands for what leaves on either side.
+            vertex, chance = raw[first + count], here / (here + beyond_it)
+            on_this_side = numbers[3] < chance
             put(vertex.position, position)
-            put(vertex.normal, ng)
+            put(vertex.normal, ng if on_this_side else negate(ng))
             put(vertex.wi, wi)
-            put(vertex.flux, flux)
-            vertex.importance, vertex.u, vertex.v = albedo, u, v
+            put(vertex.flux, scale(flux, 1.0 / (chance if on_this_side else 1.0 - chance)))
+            vertex.importance, vertex.u, vertex.v = here + beyond_it, u, v
             vertex.instance, vertex.primitive, vertex.emitter = instance, primitive, emitter
             vertex.scatters, vertex.diffuse, vertex.glossy = scatters, diffuse, glossy
             vertex.transmission = transmission
@@ -259,8 +271,6 @@ def _trace(block, workspace, index, total, seed, raw, first, width):
             count += 1
             if count == width:
                 return count
-        blur_lobes(block, workspace, MEAN_DENSITY)
-        numbers = get_3d(index, seed, dimension)
         direction, _, pdf, _, kind = sample(block, workspace, numbers[0], numbers[1], numbers[2])
         if pdf <= 0.0:
             return count

@@ -17,6 +17,7 @@ REGISTERS = 1024
 
 # Kinds of scattering that `sample` returns; the first three are those of scene.Ray.
 DIFFUSE, GLOSSY, TRANSMISSION = 2, 4, 8
+SCATTERED = DIFFUSE | GLOSSY | TRANSMISSION
 SINGULAR = 32  # a Dirac delta: evaluate() is zero there, f·|cos| / pdf is the weight of the path
 TRANSPARENT = 64  # straight through, with wi = −wo; always together with SINGULAR, never with TRANSMISSION
 THROUGH_PORTAL = 128  # continue from surface.exit; always together with TRANSPARENT and SINGULAR
