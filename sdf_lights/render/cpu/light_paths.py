@@ -293,7 +293,11 @@ class LightPaths:
         alone = alone and not (emits & ~sampled).any() and not emits[_on_strands(scene)].any()
         follows = bool((materials[_used(scene)] & FOLLOW_ALL).all()) and not block["has_strands"]
         roulette = (MOST_ROULETTE if follows else SOME_ROULETTE) if alone else 1.0
-        return {"light_path_all": alone and follows, "light_path_roulette": roulette}
+        return {
+            "light_path_follows": follows,
+            "light_path_all": alone and follows,
+            "light_path_roulette": roulette,
+        }
 
     def _connect(self, number: int, paths: int, connections: int) -> None:
         """Connect the next paths with the vertices of light paths, so many for each ray that scatters."""

@@ -100,6 +100,7 @@ def trace_branches(block, workspace, x, y, branches, first_branch):
     paths[WAITING] = paths[0]
     save_state(block, workspace, WAITING)
     if block.light_paths:
+        paths[WAITING].choice, paths[WAITING].connections = 0, block.light_path_connections
         light_paths.choose(block, workspace)
     for branch in range(branches):
         light = brightness(sample)

@@ -28,6 +28,7 @@ from .outputs.records import CATCHERS, DATA, LOBES
 from .path import (
     AT_EXIT,
     AT_SURFACE,
+    BEFORE,
     BEYOND,
     CAMERA,
     CAMERA_SETS,
@@ -88,6 +89,8 @@ SCALARS = [
 FIRST_ROULETTE = 3  # bounces: chance disturbs the even spread of samples more than the paths before that cost
 
 SAME_PLACE = 1e-9  # square of the distance in metres within which a portal leads nowhere else
+
+AGAIN_COST = 1.0  # time of a connection of a surface after the one where the path split, in surfaces that rays meet
 
 ESCAPE = 0.5  # time of a ray that meets nothing, in surfaces that rays meet: measured with materials of many nodes
 
@@ -153,6 +156,9 @@ def _leave_to_light_paths(block, workspace, path, wi, kind):
     if block.light_path_all:
         put(path.throughput, mul(vec(path.throughput), sub(WHITE, vec(path.connection_weight))))
         path.connects = NOWHERE
+    elif block.light_path_follows:
+        path.unconnected *= 1.0 - path.connection_weight[0]
+        path.connects = NOWHERE
 
 
 @kernel
@@ -192,6 +198,9 @@ def scatter(block, workspace):
     put(path.throughput, throughput)
     if block.light_paths and path.connects == BEYOND:
         _leave_to_light_paths(block, workspace, path, wi, kind)
+    if block.light_paths and path.connects_again and kind & SINGULAR == 0:
+        path.connects = BEFORE
+        put(path.connection_weight, WHITE)
     put(path.origin, position)
     put(path.normal, vec(surface.n))
     put(path.start, spawn_ray(workspace, surface, wi))
@@ -249,7 +258,8 @@ def start_path(block, workspace, x, y):
     path.bounce = path.diffuse = path.glossy = path.transmission = path.volume = path.transparent = path.last = 0
     path.event, path.in_medium, path.crossed, path.catches, path.connects = AT_SURFACE, 0, 0, 0, NOWHERE
     path.stopped = 0
-    path.path_weight = 1.0
+    path.path_weight = path.unconnected = 1.0
+    path.connects_again = 0
     path.dimension = CAMERA_SETS
     path.branch_weight, path.scattered, path.light_tree = 1.0, 0, 0
     path.kept = path.found = -1
@@ -403,6 +413,12 @@ def shade_and_scatter(block, workspace, whole):
         return ENDS
     if surface.evaluable > 0 and not last:
         sample_direct_light(block, workspace)
+        if block.light_paths:
+            path.connects_again = 0
+            if block.light_path_follows and not whole and path.bounce < block.max_bounces:
+                if largest(vec(surface.transparency)) <= 0.0:
+                    light_paths.connect_again(block, workspace)
+                    sample.met += AGAIN_COST * path.connects_again
     if surface.closure_count == 0 or (path.bounce >= block.max_bounces and finds_no_light(block, surface)):
         return ENDS
     if whole and divides(block, workspace):

@@ -75,7 +75,9 @@ SAMPLE = np.dtype(
 # then they do estimate the part ``connection_weight`` of what lamps add in the present direction, and
 # ``diffuse_connection_weight`` (RGB) of what the surface scatters by those closures that light paths ``follow`` there.
 # ``path_weight`` is the part that they are expected to leave to the ray, if Russian roulette has counted on that;
-# else 1. ``stopped`` is not 0 if the ray has passed a surface that stops light rays. ``catches`` is 1 once the camera's
+# else 1. ``connections``: how many were made where the ray left, by row ``choice`` of what that surface expects of the
+# tree. ``connects_again`` is 1 where a later surface is connected, too, and ``unconnected`` is the part of the light of
+# sources that connections of surfaces before have left. ``stopped`` is not 0 if the ray has passed a surface that stops light rays. ``catches`` is 1 once the camera's
 # path has hit a shadow catcher. ``spans`` still holds the ``kept_count`` intervals of the lamp ``kept`` along the ray;
 # −1: of none.
 PATH = np.dtype(
@@ -125,6 +127,10 @@ PATH = np.dtype(
         ("diffuse_connection_weight", "f8", 3),
         ("follow", "i8"),
         ("path_weight", "f8"),
+        ("choice", "i8"),
+        ("connections", "i8"),
+        ("connects_again", "i8"),
+        ("unconnected", "f8"),
     ],
     align=True,
 )
@@ -157,8 +163,10 @@ def of_instance(instance):
 @kernel
 def leave_connected(block, path, value, emitter):
     """What connections to light paths leave of the light of an emitter that a path finds."""
-    if block.light_paths and path.connects == BEYOND and light_path_sources(block)[emitter]:
-        return mul(value, sub(WHITE, vec(path.connection_weight)))
+    if block.light_paths and light_path_sources(block)[emitter]:
+        value = scale(value, path.unconnected)
+        if path.connects == BEYOND:
+            return mul(value, sub(WHITE, vec(path.connection_weight)))
     return value
 
 

@@ -12,6 +12,7 @@ from . import connections, dispatch, tree
 KERNELS = {
     dispatch.CHOOSE: (tree.choose, 1),
     dispatch.CONNECT: (connections.connect, 1),
+    dispatch.CONNECT_AGAIN: (connections.connect_again, 1),
     dispatch.RECORD_CONNECTED: (connections.record_connected, 3),
     dispatch.PATH_WEIGHT: (connections.estimated_path_weight, 1),
     dispatch.APPLY_PATH_WEIGHT: (connections.apply_path_weight, 1),

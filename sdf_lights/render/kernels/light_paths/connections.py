@@ -48,6 +48,8 @@ from .records import (
 )
 
 RELIEF = 0.125
+LEAST_LEFT = 0.3  # part of the light that connections before have left, from which on a path is connected again
+LATER = 1  # row of choices of a surface after the one where the path split
 BROAD = 1.0  # density (1/sr) of scattering up to which connections take all light; of diffuse scattering it is 1/π
 CONNECTION_SETS, KIND_SETS, ROULETTE_SETS = 1 << 25, 1 << 26, 1 << 27  # of random numbers, beside those of path.py
 
@@ -56,10 +58,10 @@ CONNECTION_SETS, KIND_SETS, ROULETTE_SETS = 1 << 25, 1 << 26, 1 << 27  # of rand
 def weight(block, workspace, x, n, pdf, y, normal, wi, distance):
     """w₁ without s, for the light that y, with the geometric ``normal`` on the side of x, scatters to x. x has the
     shading normal n, and its BSDF draws wi with the density ``pdf``."""
-    cosine = -dot(normal, wi)
+    path, cosine = path_table(workspace)[0], -dot(normal, wi)
     if dot(n, wi) <= 0.0 or cosine <= 0.0 or not pdf > 0.0:
         return 0.0
-    alpha = block.light_path_connections * tree.density(block, workspace, x, n, y, normal)
+    alpha = path.connections * tree.density(block, workspace, path.choice, x, n, y, normal)
     return min(alpha * distance * distance / (RELIEF * pdf * cosine), 1.0)
 
 
@@ -79,14 +81,15 @@ def breadth(closure):
 
 @kernel
 def connect(block, workspace, _):
-    """Connect the surface of the workspace with some vertices, for one branch of the path there."""
-    path, surface, count = path_table(workspace)[0], surface_table(workspace)[0], block.light_path_connections
-    if not choice_table(workspace)[0].total > 0.0:
+    """Connect the surface of the workspace with the path's number of vertices, for one branch of the path there."""
+    path, surface = path_table(workspace)[0], surface_table(workspace)[0]
+    count = path.connections
+    if not choice_table(workspace)[path.choice].total > 0.0:
         return 0.0
     x, n = vec(surface.position), vec(surface.n)
     for number in range(count):
         u, v = get_2d(path.index * count + number, path.seed, path.dimension + CONNECTION_SETS)
-        at, probability = tree.draw(block, workspace, x, n, u)
+        at, probability = tree.draw(block, workspace, path.choice, x, n, u)
         node = node_table(block)[at]
         if probability > 0.0 and node.count > 0:
             index = node.first + min(int(v * node.count), node.count - 1)
@@ -169,6 +172,8 @@ def _connect_with(block, workspace, x, n, vertex, factor, kinds):
     # The flux through the surface is its irradiance by area.
     geometry = cosine / (distance * distance * abs(dot(vec(vertex.normal), vec(vertex.wi))))
     factor *= part * left_by_lobes(density_there)
+    if path.connects == BEYOND:
+        put(path.connection_weight, scale(vec(path.diffuse_connection_weight), left_by_lobes(density)))
     contribute(block, workspace, value, factor * geometry, vertex.emitter, path.bounce + 1 + vertex.scatters)
 
 
@@ -245,8 +250,26 @@ def apply_path_weight(block, workspace, _):
     for index in range(surface.closure_count):
         total += closures[index].pick * (1.0 - connected * breadth(closures[index]))
     survival = min(max(total / path.path_weight, block.light_path_roulette), 1.0)
+    path.path_weight = 1.0
     if survival < 1.0:
         if get_1d(path.index, path.seed, path.dimension + ROULETTE_SETS) >= survival:
             return 0.0
         put(path.throughput, scale(vec(path.throughput), 1.0 / survival))
     return 1.0
+
+
+@kernel
+def connect_again(block, workspace, _):
+    """Connect the surface of the workspace, which is not the one where the path split, where connections before have
+    left most of the light to the path: behind mirrors, in sharp lobes, and near the surface before.
+    """
+    path = path_table(workspace)[0]
+    left = path.unconnected
+    if path.connects == BEYOND:
+        left *= 1.0 - path.diffuse_connection_weight[0]
+    if left < LEAST_LEFT:
+        return 0.0
+    path.connects_again, path.choice, path.connections = 1, LATER, 1
+    tree.choose(block, workspace, float(LATER))
+    connect(block, workspace, 0.0)
+    return 0.0

@@ -9,7 +9,7 @@ import numpy as np
 from ....jit import call_part, kernel, table
 
 # Places of the addresses, which are 0 where a scene has no light paths.
-PLACES = CHOOSE, CONNECT, RECORD_CONNECTED, PATH_WEIGHT, APPLY_PATH_WEIGHT = range(5)
+PLACES = CHOOSE, CONNECT, RECORD_CONNECTED, PATH_WEIGHT, APPLY_PATH_WEIGHT, CONNECT_AGAIN = range(6)
 
 _code = table("light_path_code", np.int64)
 
@@ -24,6 +24,12 @@ def choose(block, workspace):
 def connect(block, workspace):
     """See ``connections.connect``."""
     call_part(_code(block)[CONNECT], block, workspace, (0.0,), 1)
+
+
+@kernel
+def connect_again(block, workspace):
+    """See ``connections.connect_again``."""
+    call_part(_code(block)[CONNECT_AGAIN], block, workspace, (0.0,), 1)
 
 
 @kernel

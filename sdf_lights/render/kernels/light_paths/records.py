@@ -77,10 +77,12 @@ SCALARS = [
     ("light_paths", np.int64),  # 1: strategy and tables are there
     ("light_path_connections", np.int64),  # for each ray that scatters where paths split
     ("light_path_roulette", np.float64),  # the least chance with which a path goes on where connections find its light
+    ("light_path_follows", np.int64),  # 1: light paths follow all that the scene scatters
     ("light_path_all", np.int64),  # 1: all light that a path finds beyond a connection is of light paths, too
 ]
 WORKSPACE_TABLES = {"light_path_choice": CHOICE}
-WORKSPACE_COUNTS = {"light_path_choice": 1}
+# Of the surface where the path splits, and of a later one.
+WORKSPACE_COUNTS = {"light_path_choice": 2}
 
 node_table = table("light_path_nodes", NODE)
 top_table = table("light_path_tops", np.int64)

@@ -72,9 +72,9 @@ def side_of(node, position, normal):
 
 
 @kernel
-def choose(block, workspace, _):
-    """Find what the surface of the workspace expects of each top node."""
-    surface, choice = surface_table(workspace)[0], choice_table(workspace)[0]
+def choose(block, workspace, row):
+    """Find what the surface of the workspace expects of each top node, for this row of choices."""
+    surface, choice = surface_table(workspace)[0], choice_table(workspace)[int(row)]
     nodes, tops = node_table(block), top_table(block)
     x, n, total = vec(surface.position), vec(surface.n), 0.0
     choice.count = len(tops)
@@ -87,9 +87,9 @@ def choose(block, workspace, _):
 
 
 @kernel
-def draw(block, workspace, x, n, u):
+def draw(block, workspace, row, x, n, u):
     """The node that a number u chooses for the point that ``choose`` was for, and its probability; 0: none."""
-    choice, nodes = choice_table(workspace)[0], node_table(block)
+    choice, nodes = choice_table(workspace)[row], node_table(block)
     left, index = u * choice.total, 0
     while index < choice.count - 1 and left >= choice.weight[index]:
         left -= choice.weight[index]
@@ -115,10 +115,10 @@ def draw(block, workspace, x, n, u):
 
 
 @kernel
-def density(block, workspace, x, n, y, normal):
+def density(block, workspace, row, x, n, y, normal):
     """Estimate of the density by area (1/m²) with which ``draw`` and one of the node's vertices give a place y with
     this geometric normal; 0 where they cannot."""
-    choice, nodes = choice_table(workspace)[0], node_table(block)
+    choice, nodes = choice_table(workspace)[row], node_table(block)
     at = 0
     while nodes[at].top < 0:
         at = nodes[at].child + side_of(nodes[at], y, normal)
