@@ -124,6 +124,13 @@ class PackedScene:
         """The lamps of ``scene`` by their emitters: without those that give no light."""
         return [scene.lamps[index] for index in self._built]
 
+    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        """The corners of a box around all that rays may hit."""
+        center, half = self._boxes
+        if not len(center):
+            return np.zeros(3), np.zeros(3)
+        return (center - half).min(axis=0), (center + half).max(axis=0)
+
     def set_light_paths(self, tables: dict[str, np.ndarray], scalars: dict[str, float]) -> None:
         """Connect paths with the vertices of light paths in these tables of ``light_paths.records``; with nothing
         without them."""

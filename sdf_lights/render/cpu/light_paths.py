@@ -20,8 +20,10 @@ from ..kernels.light_paths.records import (
     FOLLOW_DIFFUSE,
     MOST_TOPS,
     NODE,
+    TARGET,
     VERTEX,
 )
+from ..kernels.light_paths.distant import find_places, measure
 from ..kernels.light_paths.trace import find_pilots, trace_light_paths, weight_by_visibility
 from ..kernels.lights.kinds import KINDS, TRIANGLE
 from ..kernels.outputs.records import LOBES
@@ -63,6 +65,10 @@ MOST_VERTICES = 32  # of a path
 CONNECTIONS, PILOT_CONNECTIONS = 4, 1
 PATH_COST = 2.0  # of a light path, in samples of pixels
 NODES = 4096
+# Of the world and suns: targets of their light paths, and places among which these are chosen; what a place counts at
+# least, as a part of the mean; the neighbour whose distance is the radius of a target, and the least radius, as a part
+# of the scene's; the least power, as a part of all.
+TARGETS, PLACES, LEAST_REACHED, NEIGHBOUR, LEAST_RADIUS, LEAST_POWER = 64, 512, 0.05, 4, 1.0 / 1024.0, 0.02
 PILOTS = 256
 CHUNK = 256  # paths that a thread takes at once
 # The least chance with which a path goes on where connections find its light: if nothing else comes that way, and if
@@ -165,8 +171,8 @@ def _is_everywhere(emitter: Lamp | Light | Instance) -> bool:
 
 
 def powers_of(scene: Scene, packed: PackedScene) -> np.ndarray:
-    """(emitters,) watts where light paths start, else 0: lamps, emissive triangles, and lights without nodes whose kind
-    has ``leave``; of these, all that light everything."""
+    """(emitters,) watts where light paths start, else 0: of lamps, emissive triangles, and lights whose kind has
+    ``leave``, and 1 for the world and suns; of these, all that light everything."""
     emitters, lamps = packed.table("light_emitters"), packed.lamps_of(scene)
     members: list[Lamp | Light] = [*lamps, *scene.lights]
     found = np.zeros(len(emitters))
@@ -182,10 +188,14 @@ def powers_of(scene: Scene, packed: PackedScene) -> np.ndarray:
     found[emitters["kind"] == TRIANGLE] = (
         np.abs(triangles["radiance"]).mean(axis=1) * 2.0 * math.pi * triangles["area"] * glow[triangles["instance"]]
     )
-    found *= (emitters["leaf"] >= 0) & (emitters["cast_shadow"] != 0)
+    distant = emitters["infinite"] >= 0
+    found[distant] = 1.0  # as far as it comes: see ``_aim``
+    found *= ((emitters["leaf"] >= 0) | distant) & (emitters["cast_shadow"] != 0)
     found[: len(members)] *= [_is_everywhere(each) for each in members]
-    nodes = packed.table("emissions")["graph"][1 : 1 + len(scene.lights)]
-    found[len(lamps) : len(members)] *= nodes == NO_GRAPH
+    header = packed.table("light_header")
+    world = scene.world
+    if world.visibility & SCATTERED != SCATTERED or world.max_bounces < MANY_BOUNCES or header["portal_count"][0] > 0:
+        found[header["world_emitter"][0]] = 0.0
     return found
 
 
@@ -238,6 +248,7 @@ class LightPaths:
         self._pixels = (x1 - x0) * (y1 - y0)
         self._scalars = self._settled()
         self._fixed: dict[str, np.ndarray] = {}
+        self._aimed = False
         self._tree_paths = 0  # of the tree in ``_fixed``
         self._connected: int | None = None
         self.rest()
@@ -287,7 +298,7 @@ class LightPaths:
         sources, materials = self._lasting["light_path_sources"], self._lasting["light_path_materials"]
         block, emitters = self._packed.block[0], self._packed.table("light_emitters")
         shining = (emitters["leaf"] >= 0) | (emitters["infinite"] >= 0) | (emitters["kind"] == TRIANGLE)
-        alone = bool(sources[shining].all()) and self._packed.table("emissions")["graph"][0] == NO_GRAPH
+        alone = bool(sources[shining].all())
         emits = self._packed.table("materials")["flags"] & HAS_EMISSION != 0
         sampled = self._packed.table("materials")["sample_emission"] != 0
         alone = alone and not (emits & ~sampled).any() and not emits[_on_strands(scene)].any()
@@ -311,6 +322,44 @@ class LightPaths:
             self._scalars | {"light_path_connections": connections},
         )
 
+    def _aim(self) -> None:
+        """Find the targets of light paths from the world and suns, and what power comes near to these."""
+        packed, scene = self._packed, self._scene
+        emitters = np.flatnonzero(self._lasting["light_path_sources"])
+        distant = emitters[packed.table("light_emitters")["infinite"][emitters] >= 0]
+        self._aimed = True
+        if not len(distant):
+            return
+        low, high = packed.bounds()
+        targets = np.zeros(1 + TARGETS, TARGET)
+        targets["position"][0], targets["radius"][0] = (low + high) / 2.0, max(np.linalg.norm(high - low) / 2.0, 1e-9)
+        powers = np.diff(self._lasting["light_path_power"], prepend=0.0)
+        places = np.zeros((PLACES, 3))
+        self._take_targets(targets[:1], powers)
+        kernels, scratch = self._workspaces[0].scene, self._workspaces[0].block
+        places = places[: find_places(kernels, scratch, scene.width, scene.height, places)]
+        if len(places):
+            reached = np.zeros((len(distant), len(places)))
+            for number, emitter in enumerate(distant):
+                measure(kernels, scratch, emitter, number, places, reached[number])
+            chance = reached.sum(axis=0) + LEAST_REACHED * reached.mean() + 1e-300
+            steps = (np.arange(TARGETS) + 0.5) / TARGETS
+            chosen = places[np.minimum(np.searchsorted(np.cumsum(chance) / chance.sum(), steps), len(places) - 1)]
+            targets["position"][1:] = chosen
+            apart = np.linalg.norm(chosen[:, None] - chosen[None], axis=2)
+            least = targets["radius"][0] * LEAST_RADIUS
+            targets["radius"][1:] = np.maximum(np.sort(apart, axis=1)[:, NEIGHBOUR], least)
+            spread = np.sqrt(((chosen - chosen.mean(axis=0)) ** 2).sum(axis=1).mean())
+            powers[distant] = reached.mean(axis=1) * math.pi * max(spread, least) ** 2
+        else:
+            targets = targets[:1]
+        powers[distant] = np.maximum(powers[distant], LEAST_POWER * powers[emitters].sum() + 1e-30)
+        self._take_targets(targets, powers)
+
+    def _take_targets(self, targets: np.ndarray, powers: np.ndarray) -> None:
+        self._lasting |= {"light_path_targets": targets, "light_path_power": np.cumsum(powers)}
+        self.rest()
+
     def _build(self, shared: int) -> None:
         """Make the tree, if it is not there, by light paths that no sample has: weights must not depend on the vertices
         that they are for."""
@@ -318,6 +367,8 @@ class LightPaths:
         if self._tree_paths == paths:
             return
         self._tree_paths = paths
+        if not self._aimed:
+            self._aim()
         raw, lengths = self._trace(0, paths)
         rows = np.arange(len(raw)).reshape(len(lengths), self._width)
         vertices = raw[rows[np.arange(self._width) < lengths[:, None]]]

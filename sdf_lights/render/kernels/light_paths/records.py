@@ -54,6 +54,10 @@ NODE = np.dtype(
     align=True,
 )
 
+# Where light paths of the world and of suns are sent: see distant.py. The first row is a ball around the whole scene.
+TARGET = np.dtype([("position", "f8", 3), ("radius", "f8")], align=True)
+
+PLACE = 1 << 20  # of a pixel that no picture has, whose random numbers light paths have
 MOST_TOPS = 32
 # Of a material: connections find light that it scatters; all of that; light paths follow what it scatters diffusely, and
 # by all closures. AT_VERTEX instead, in the ``follow`` of a path: they find what the surface scatters, but in sharp
@@ -71,6 +75,7 @@ TABLES = {
     "light_path_power": np.dtype(
         np.float64
     ),  # of each emitter and those before it (W), as far as light paths start there
+    "light_path_targets": TARGET,
     "light_path_code": np.dtype(np.int64),
 }
 SCALARS = [
@@ -89,5 +94,6 @@ top_table = table("light_path_tops", np.int64)
 material_table = table("light_path_materials", np.int64)
 source_table = table("light_path_sources", np.int64)
 power_table = table("light_path_power", np.float64)
+target_table = table("light_path_targets", TARGET)
 vertex_table = table("light_path_vertices", VERTEX)
 choice_table = table("light_path_choice", CHOICE)

@@ -27,6 +27,7 @@ from ....jit import kernel
 from ....vec import ZERO, add, average, dot, frame, largest, length, madd, mul, negate, put, scale, sub, to_world, vec
 from .. import lights
 from ..camera import camera_ray
+from ..emission_graphs import modulated
 from ..geometry import TRIANGLES, find_surface, instance_table, surface_at, surface_table
 from ..ray_origins import clear_self_primitive, offset_ray_origin, spawn_ray
 from ..rays import SHADOW_OPAQUE, beyond, hit_instance, intersect, occluded, ray_table, start_anew
@@ -46,7 +47,8 @@ from ..shading.records import (
 from ..visibility import shadow_ray
 from ..workspace import secondary_table
 from .connections import breadth
-from .records import CONNECTS, FOLLOW_ALL, FOLLOW_DIFFUSE, material_table, power_table
+from .distant import NO_RAY, leave_distant
+from .records import CONNECTS, FOLLOW_ALL, FOLLOW_DIFFUSE, PLACE, material_table, power_table
 
 SAME_DIRECTION = 1.0 - 1e-9  # cosine of the angle between what a mirror gives and what it should
 VISIBILITY_RAYS, LEAST_VISIBILITY = 4, 0.02  # rays from a vertex to pilots; what it counts where none of these see it
@@ -54,7 +56,6 @@ NEARLY = 0.999  # of the way to a pilot, whose surface is not in the way
 FIRST_SETS, BOUNCE_SETS = 2, 2  # sets of random numbers of a path, and of each surface that it meets
 MEAN_DENSITY = 8.0 / (15.0 * math.pi)  # of ``_expected_density``, for all cosines
 LONGER = 1.0 + 1e-6  # factor of a distance that is the same but for rounding
-PLACE = 1 << 20  # of a pixel that no picture has, whose numbers light paths have
 
 
 @kernel
@@ -92,8 +93,14 @@ def _start(block, workspace, index, total, seed):
     if lights.is_triangle(block, emitter):
         origin, direction, flux, reach = _leave_triangle(block, workspace, emitter, u[1], u[2], v[0], v[1])
         return emitter, origin, direction, scale(flux, part), reach
+    if lights.is_distant(block, emitter):
+        origin, direction, flux = leave_distant(block, workspace, emitter, u[1], u[2], u[3], v[0], v[1])
+        return emitter, origin, direction, scale(flux, part), np.inf
     if emitter >= block.lamp_count:
         origin, direction, flux, reach = lights.leave_light(block, emitter, u[1], u[2], v[0], v[1])
+        if block.emission_graphs:
+            back = negate(direction)
+            flux = modulated(block, workspace, emitter, flux, add(origin, direction), back, 1.0, NO_RAY)
         return emitter, origin, direction, scale(flux, part), reach
     center = vec(lamp_table(block)[emitter].center)
     offset = lamps.interior_offset(block, emitter, center, u[1], u[2], u[3])
@@ -116,7 +123,7 @@ def _is_singular(block, emitter, position, wi):
 def _is_lit(block, workspace, emitter, origin, direction, position, distance):
     """Whether the light of a light path that started at ``origin`` reaches the ``position`` at this distance. A disk
     that faces the lit point begins nearer to it or farther."""
-    if emitter < block.lamp_count or lights.is_triangle(block, emitter):
+    if emitter < block.lamp_count or lights.is_triangle(block, emitter) or lights.is_distant(block, emitter):
         return True
     way = negate(direction)
     begins = lights.distance_to_light(block, emitter, position, way)

@@ -74,6 +74,12 @@ def light_hits(block, number, o, d, t_max, ray_kind, hits):
 
 
 @kernel
+def is_distant(block, emitter):
+    """Whether an emitter is the world or a sun."""
+    return emitter_table(block)[emitter].infinite >= 0
+
+
+@kernel
 def leave_light(block, emitter, u1, u2, u3, u4):
     """A ray that leaves one of Blender's lights: see ``interfaces.Light``."""
     row = emitter_table(block)[emitter]
