@@ -102,6 +102,7 @@ def trace_branches(block, workspace, x, y, branches, first_branch):
     if block.light_paths:
         paths[WAITING].choice, paths[WAITING].connections = 0, block.light_path_connections
         light_paths.choose(block, workspace)
+        sample.cuts += 1  # that takes as long as the boxes of a lamp
     for branch in range(branches):
         light = brightness(sample)
         paths[0] = paths[WAITING]
@@ -197,6 +198,8 @@ def roulette_branches(workspace, branches):
             total += path.expected * max(path.path_weight, LEAST_SURVIVAL)
             count += 1
     if count < 2 or not 0.0 < total < np.inf:
+        for branch in range(branches):
+            paths[FIRST_BRANCH + branch].path_weight = 1.0
         return
     # The emission along the ray that came here may take this number, too: it is added to what branches bring.
     passed = get_1d(waiting.index, waiting.seed, waiting.dimension + EMISSION_SET)
