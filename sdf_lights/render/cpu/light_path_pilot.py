@@ -25,7 +25,7 @@ PART, MOST, FEWEST = 0.005, 4096, 96
 MOST_COST = 0.03
 # Error × time without light paths over that with them, from which on they are used: noisy estimates promise too much.
 # What they must promise before they are tried.
-GAIN, LEAST_POTENTIAL = 1.2, 1.5
+GAIN, LEAST_POTENTIAL = 1.1, 1.5
 OUTLIERS = 0.01  # part of the pilot pixels that a second comparison leaves out: a few bright ones must not decide
 FLOOR = 0.05  # part of the mean square brightness that is added to the squares which errors are relative to
 

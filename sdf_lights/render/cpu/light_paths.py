@@ -62,7 +62,7 @@ PILOT_NUMBER = 1 << 30  # of light paths: beyond those of samples
 MOST_VERTICES = 32  # of a path
 # Connections for each ray that scatters where paths split. A pilot has few light paths, of
 # which more connections would tell little more.
-CONNECTIONS, PILOT_CONNECTIONS = 4, 1
+CONNECTIONS = 2
 PATH_COST = 2.0  # of a light path, in samples of pixels
 NODES = 4096
 # Of the world and suns: targets of their light paths, and places among which these are chosen; what a place counts at
@@ -285,7 +285,7 @@ class LightPaths:
         """As ``use``, for a pilot, with light paths that no set has."""
         self._connected = None
         self._build(PILOT_TREE_SHARED)
-        self._connect(PILOT_NUMBER + sample, _paths(self._pixels / PILOT_SHARED, MOST_PATHS), PILOT_CONNECTIONS)
+        self._connect(PILOT_NUMBER + sample, _paths(self._pixels / PILOT_SHARED, MOST_PATHS), CONNECTIONS)
 
     def rest(self) -> None:
         """Connect the next paths with nothing."""

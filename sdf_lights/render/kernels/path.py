@@ -73,7 +73,7 @@ SAMPLE = np.dtype(
 # is BEFORE along a ray from the surface where the path split, if connections to light paths estimate the light of its
 # next hit, too; of that, they can estimate the part ``connection_weight`` (RGB). It is BEYOND from the next surface on:
 # then they do estimate the part ``connection_weight`` of what lamps add in the present direction, and
-# ``diffuse_connection_weight`` (RGB) of what the surface scatters by those closures that light paths ``follow`` there.
+# ``followed_weight`` (RGB) of what the surface scatters by those closures that light paths ``follow`` there.
 # ``path_weight`` is the part that they are expected to leave to the ray, if Russian roulette has counted on that;
 # else 1. ``connections``: how many were made where the ray left, by row ``choice`` of what that surface expects of the
 # tree. ``connects_again`` is 1 where a later surface is connected, too, and ``unconnected`` is the part of the light of
@@ -124,7 +124,7 @@ PATH = np.dtype(
         ("catches", "i8"),
         ("connects", "i8"),
         ("connection_weight", "f8", 3),
-        ("diffuse_connection_weight", "f8", 3),
+        ("followed_weight", "f8", 3),
         ("follow", "i8"),
         ("path_weight", "f8"),
         ("choice", "i8"),

@@ -173,20 +173,20 @@ def _connect_with(block, workspace, x, n, vertex, factor, kinds):
     geometry = cosine / (distance * distance * abs(dot(vec(vertex.normal), vec(vertex.wi))))
     factor *= part * left_by_lobes(density_there)
     if path.connects == BEYOND:
-        put(path.connection_weight, scale(vec(path.diffuse_connection_weight), left_by_lobes(density)))
+        put(path.connection_weight, scale(vec(path.followed_weight), left_by_lobes(density)))
     contribute(block, workspace, value, factor * geometry, vertex.emitter, path.bounce + 1 + vertex.scatters)
 
 
 @kernel
 def record_connected(block, workspace, x, y, z):
     """Note what part of the light from the direction (x, y, z) connections estimate, once the path's surface has
-    scattered that: ``diffuse_connection_weight`` of what closures scatter that light paths ``follow`` there."""
+    scattered that: ``followed_weight`` of what closures scatter that light paths ``follow`` there."""
     path, wi = path_table(workspace)[0], (x, y, z)
     if path.follow & FOLLOW_ALL:
-        put(path.connection_weight, vec(path.diffuse_connection_weight))
+        put(path.connection_weight, vec(path.followed_weight))
     elif path.follow & AT_VERTEX:
         _, density, _ = evaluate(block, workspace, wi, SCATTERED)
-        put(path.connection_weight, scale(vec(path.diffuse_connection_weight), left_by_lobes(density)))
+        put(path.connection_weight, scale(vec(path.followed_weight), left_by_lobes(density)))
     elif path.follow & FOLLOW_DIFFUSE == 0:
         put(path.connection_weight, ZERO)
     else:
@@ -194,7 +194,7 @@ def record_connected(block, workspace, x, y, z):
         total, _, _ = evaluate(block, workspace, wi, SCATTERED)
         for axis in range(3):
             part = diffuse[axis] / total[axis] if total[axis] > 0.0 else 0.0
-            path.connection_weight[axis] = path.diffuse_connection_weight[axis] * part
+            path.connection_weight[axis] = path.followed_weight[axis] * part
     return 0.0
 
 
@@ -232,7 +232,7 @@ def apply_path_weight(block, workspace, _):
     flags = material_table(block)[surface.material] if triangle else 0
     if path.connects == BEYOND:
         path.follow = flags
-        put(path.diffuse_connection_weight, vec(path.connection_weight))
+        put(path.followed_weight, vec(path.connection_weight))
         return 1.0
     path.connects, path.follow = BEYOND, AT_VERTEX
     x, y = vec(path.origin), vec(surface.position)
@@ -245,8 +245,8 @@ def apply_path_weight(block, workspace, _):
     if part <= 0.0:
         path.connects = NOWHERE
         return 1.0
-    put(path.diffuse_connection_weight, scale(vec(path.connection_weight), part))
-    connected, total = average(vec(path.diffuse_connection_weight)), 0.0
+    put(path.followed_weight, scale(vec(path.connection_weight), part))
+    connected, total = average(vec(path.followed_weight)), 0.0
     for index in range(surface.closure_count):
         total += closures[index].pick * (1.0 - connected * breadth(closures[index]))
     survival = min(max(total / path.path_weight, block.light_path_roulette), 1.0)
@@ -266,7 +266,7 @@ def connect_again(block, workspace, _):
     path = path_table(workspace)[0]
     left = path.unconnected
     if path.connects == BEYOND:
-        left *= 1.0 - path.diffuse_connection_weight[0]
+        left *= 1.0 - path.followed_weight[0]
     if left < LEAST_LEFT:
         return 0.0
     path.connects_again, path.choice, path.connections = 1, LATER, 1
