@@ -32,6 +32,7 @@ from ..kernels.packing import (
     integrator_scalars,
     lamp_boxes,
     pack_elsewhere,
+    wide_boxes,
 )
 from ..kernels.shading import special
 from ..kernels.shading.records import HAS_SUBSURFACE, HAS_TRANSPARENCY
@@ -67,9 +68,11 @@ class PackedScene:
         self.control = np.zeros(1, np.int64)
         strands = has_strands(scene)
         code = {"strand_code": strand_code.addresses(strands, (BLOCK, WORKSPACE)), "control": self.control}
-        self._fill(geometry.pack_geometry(scene, self._accelerator.baked) | code, {"has_strands": strands})
-        self._accelerator.fill(self.block)
         self._boxes = instance_boxes(scene)
+        shapes = geometry.pack_geometry(scene, self._accelerator.baked)
+        geometry.find_shared_places(shapes, wide_boxes(scene, *self._boxes))
+        self._fill(shapes | code, {"has_strands": strands})
+        self._accelerator.fill(self.block)
         tables, scalars = media.pack_media(scene)
         tables["media_code"] = media_code.addresses(scalars["has_media"], (BLOCK, WORKSPACE))
         self._fill(tables, scalars)

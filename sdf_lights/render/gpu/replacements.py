@@ -157,6 +157,7 @@ ALWAYS = {
     ray_origins.number_of: Native("number_of", UINT),
     geometry.instance_at: still.instance_at,
     geometry.form_of: still.form_of,
+    geometry.shares: still.shares,
     textures.texel: images.texel,
     textures.decoded: images.decoded,
     subsurface.intersect_instance: Native(_instance_ray),

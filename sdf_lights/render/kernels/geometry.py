@@ -29,10 +29,11 @@ from ...vec import (
 from ..material import Attribute
 from ..scene import AttributeValues, Domain, Instance, Mesh, Primitive, Ray, Scene
 from ..strands import radii_of, strand_of, world_scale
-from .ray_origins import exact_origin, number_of
+from .ray_origins import ALONE, exact_origin, number_of
 from .rays import hit_instance, hit_normal, ray_table, world_positions
 from .shading.material_records import MATERIAL
 from .shading.records import NEEDS_DERIVATIVES, NEEDS_OBJECT_NORMAL, NEEDS_RADIAL, NEEDS_SHADOW_POINT, SURFACE
+from .shared_places import EVERYWHERE, may_compare, shared_places
 from .strands import dispatch as strands
 
 # All indices are rows of the tables below; −1: the mesh has no such data. ``attributes`` is the first of as many rows
@@ -60,6 +61,8 @@ INSTANCE = np.dtype(
         ("terminator", np.float64),
         ("box_center", np.float64, (3,)),
         ("box_size", np.float64, (3,)),  # of the mesh, in its own space
+        ("shared", np.int64),  # first of the boxes around places that it shares with others: ``shared_places``
+        ("shared_end", np.int64),
         # For instances that move while the shutter is open: the first of their poses at even times; the number of
         # positions and normals of each vertex and corner; and the time for which ``matrix`` and ``inverse`` are valid.
         ("poses", np.int64),
@@ -80,6 +83,7 @@ ATTRIBUTE = np.dtype([("start", np.int64), ("domain", np.int32), ("width", np.in
 POSE = np.dtype([("matrix", np.float64, (3, 4))])
 POSITION = np.dtype([("p", np.float32, (3,))])
 TRIANGLE = np.dtype([("v", np.int32, (3,))])
+SHARED_PLACE = np.dtype([("low", np.float64, (3,)), ("high", np.float64, (3,))])
 CORNER_NORMALS = np.dtype([("n", np.float32, (3, 3))])
 
 TABLES = {
@@ -94,6 +98,7 @@ TABLES = {
     "attribute_values": np.dtype(np.float32),
     "radii": np.dtype(np.float32),
     "strand_of": np.dtype(np.int32),
+    "shared_places": SHARED_PLACE,
     **strands.TABLES,
 }
 SCALARS = strands.SCALARS
@@ -118,6 +123,7 @@ attribute_value_table = table("attribute_values", np.float32)
 radius_table = table("radii", np.float32)
 slot_table = table("slots", np.int32)
 material_table = table("instance_materials", np.int32)
+_place_table = table("shared_places", SHARED_PLACE)
 surface_table = table("surface", SURFACE)
 shading_material_table = table("materials", MATERIAL)
 
@@ -162,7 +168,7 @@ _OF_MESH = np.dtype(
         )
     ]
 )
-_MADE_HERE = {"instances", "attributes", *strands.TABLES}
+_MADE_HERE = {"instances", "attributes", "shared_places", *strands.TABLES}
 
 
 def pack_geometry(scene: Scene, baked: np.ndarray) -> dict[str, np.ndarray]:
@@ -183,6 +189,7 @@ def pack_geometry(scene: Scene, baked: np.ndarray) -> dict[str, np.ndarray]:
     instances["matrix"], instances["inverse"] = matrices[:, :3], inverse(matrices)[:, :3]
     instances["mirrored"] = np.linalg.det(matrices[:, :3, :3]) < 0.0
     instances["baked"] = baked
+    instances["shared_end"] = 1
     instances["uneven"] = baked & stretch(matrices)
     for name in ("holdout", "catcher", "index", "random", "terminator"):
         instances[name] = [getattr(instance, name) for instance in scene.instances]
@@ -201,8 +208,25 @@ def pack_geometry(scene: Scene, baked: np.ndarray) -> dict[str, np.ndarray]:
             record["pose_count"], record["time"] = len(instance.motion), NO_TIME
     tables = {name: part.join() for name, part in rows.items()}
     tables["instances"] = instances
+    tables["shared_places"] = EVERYWHERE.reshape(-1).view(SHARED_PLACE)
     tables["attributes"] = np.array(attributes.records or [(0, NO_DOMAIN, 0)], ATTRIBUTE)
     return tables
+
+
+def find_shared_places(tables: dict[str, np.ndarray], boxes: np.ndarray) -> None:
+    """Put the places that instances share into tables of ``pack_geometry``. ``boxes`` (instances, 2, 3): least and
+    greatest coordinates of all of them, in the world."""
+    instances, triangles = tables["instances"], tables["triangles"]["v"]
+    solid = instances["primitive"] == TRIANGLES
+    counts = np.where(solid & (instances["baked"] != 0) & (instances["forms"] == 0), instances["triangle_count"], 0)
+    counts *= may_compare(counts)
+    owners = np.repeat(np.arange(len(counts)), counts)
+    rows = np.arange(len(owners)) + np.repeat(instances["triangles"] - (np.cumsum(counts) - counts), counts)
+    corners = tables["positions"]["p"][triangles[rows] + instances["positions"][owners][:, None]]
+    places, counts = shared_places(corners, owners, boxes, counts > 0, solid & (counts == 0))
+    instances["shared_end"] = np.cumsum(counts)
+    instances["shared"] = instances["shared_end"] - counts
+    tables["shared_places"] = places.reshape(-1).view(SHARED_PLACE)
 
 
 def _place(mesh: Mesh, matrix: np.ndarray | None, rows: dict[str, _Rows]) -> np.ndarray:
@@ -301,6 +325,18 @@ def box_around(positions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         return np.zeros(3), np.ones(3)
     low, high = bounds_of(positions)
     return 0.5 * (low + high), np.where(high > low, high - low, 1.0)
+
+
+@replaced_on_gpu
+@kernel
+def shares(block, instance, p):
+    """Whether faces of other triangles may lie exactly at a point of an instance."""
+    places = _place_table(block)
+    for index in range(instance.shared, instance.shared_end):
+        low, high = places[index].low, places[index].high
+        if low[0] <= p[0] <= high[0] and low[1] <= p[1] <= high[1] and low[2] <= p[2] <= high[2]:
+            return True
+    return False
 
 
 @replaced_on_gpu
@@ -472,6 +508,8 @@ def surface_at(block, surface, index, triangle, u, v, wo, ray_kind, footprint):
     surface.strand = 0
     surface.number = number_of(index, triangle)
     surface.exact_origin = exact_origin(position, edge1, edge2, u, v)
+    if surface.exact_origin and not shares(block, instance, position):
+        surface.exact_origin = ALONE
     surface.terminator = instance.terminator if instance.normals >= 0 else 0.0
     surface.backfacing = 0
     if dot(ng, wo) < 0.0:

@@ -28,6 +28,7 @@ from .media import pack as media
 from .media import records as media_records
 from .outputs import records as output_records
 from .shading.records import GLOSSY, HAS_EMISSION, HAS_TRANSPARENCY, STOPS_LIGHT_RAYS, TRANSMISSION
+from .shared_places import EVERYWHERE
 from .subsurface import records as subsurface_records
 
 
@@ -298,6 +299,16 @@ def instance_boxes(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
         first, last = (at - reach).min(axis=0), (at + reach).max(axis=0)
         center[index], half[index] = 0.5 * (first + last), 0.5 * (last - first)
     return center, half
+
+
+def wide_boxes(scene: Scene, center: np.ndarray, half: np.ndarray) -> np.ndarray:
+    """Least and greatest coordinates (instances, 2, 3) of ``instance_boxes``, and some roundings more, for all
+    instances: also for those without positions, whose box is inside out."""
+    used = np.array([len(scene.meshes[instance.mesh].positions) > 0 for instance in scene.instances], bool)
+    half = half + rays.OFFSET * (np.abs(center) + half).max(axis=1, initial=0.0)[:, None]
+    boxes = np.repeat(EVERYWHERE[None, ::-1], len(used), 0)
+    boxes[used] = np.stack([center - half, center + half], 1)
+    return boxes
 
 
 def clear_lamps(rows: np.ndarray, center: np.ndarray, half: np.ndarray) -> np.ndarray:

@@ -33,7 +33,8 @@ RAY = np.dtype(
         ("primitive", np.uint32),
         ("geometry", np.uint32),
         ("instance", np.uint32),
-        ("padding", np.uint32, (12,)),
+        ("least", np.float32),  # from which it meets anything: ``ray_origins.spawn_ray``; none of Embree's, too
+        ("padding", np.uint32, (11,)),
     ]
 )
 
@@ -109,11 +110,11 @@ def _mask(visibility: int, shadow_set: int, materials: tuple[int, ...], transpar
 
 @kernel
 def _set_ray(ray, o, d, t_min, t_max, mask):
-    # Its time stays as set by ``motion.set_time``, and its ID and flags as set by strands.
+    # Its time stays as set by ``motion.set_time``, its ID and least distance by ``ray_origins``, its flags by strands.
     ray.origin[0] = o[0]
     ray.origin[1] = o[1]
     ray.origin[2] = o[2]
-    ray.t_near = t_min
+    ray.t_near = max(np.float32(t_min), ray.least)
     ray.direction[0] = d[0]
     ray.direction[1] = d[1]
     ray.direction[2] = d[2]

@@ -31,6 +31,7 @@ def light_start(block, workspace, wi):
     amount = min((2.0 - (flat + cosine) / cutoff) if cosine < cutoff else (1.0 - flat / cutoff), 1.0)
     if amount <= 0.0:
         return start
+    ray_table(workspace)[0].least = 0.0  # nothing is known of what is around the start
     if flat <= 0.0:
         clear_self_primitive(ray_table(workspace)[0])  # the triangle hides what is below it
     return madd(start, amount, _lift(block, surface, side))

@@ -65,7 +65,8 @@ SURFACE = np.dtype(
             "number",
             "u4",
         ),  # of its triangle, curve or sphere, which rays that leave it do not meet: ray_origins.number_of
-        ("exact_origin", "i4"),  # 1: rays start at its position, 0: their origin is offset (see ray_origins.py)
+        ("exact_origin", "i4"),  # 1: rays start at its position, 2: and no other face is there, 0: their origin is
+        # offset (see ray_origins.py)
         # Of the material, filled by shade().
         ("uncorrected", "i4"),  # not 0: bumps neither darken near the horizon, nor is their normal raised for mirrors
         ("closure_count", "i4"),
