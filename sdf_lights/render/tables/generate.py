@@ -40,7 +40,6 @@ def _albedos(roughness, cosine, ior, count):
     alpha2 = alpha * alpha
     wo = (math.sqrt(1.0 - cosine * cosine), 0.0, cosine)
     masking_o = microfacet.masking(alpha2, cosine)
-    f0 = fresnel.f0_of_ior(ior)
     everything, glass, dielectric, schlick, cycles_dielectric, cycles_schlick = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(count):
         h = microfacet.visible_normal(wo, alpha, alpha, (i * _GOLDEN) % 1.0, (i + 0.5) / count)
@@ -50,10 +49,10 @@ def _albedos(roughness, cosine, ior, count):
         if up > 0.0:
             value = (1.0 + masking_o) / (1.0 + masking_o + microfacet.masking(alpha2, up))
             everything += value
-            dielectric += value * fresnel.remapped(f, f0)
+            dielectric += value * fresnel.remapped(f, ior)
             glass += value * f
             schlick += value * (1.0 - cosine_h) ** 5
-            cycles_dielectric += fresnel.remapped(f, f0)
+            cycles_dielectric += fresnel.remapped(f, ior)
             cycles_schlick += 0.5 * ((1.0 - cosine_h) ** _EXPONENTS[0] + (1.0 - cosine_h) ** _EXPONENTS[1])
         down = (cosine_h / ior - cosine_t) * h[2] - cosine / ior
         if cosine_t > 0.0 and down < 0.0:

@@ -75,9 +75,10 @@ def estimate(node, x, n):
     extent = spread[0] + spread[1] + spread[2]
     square = dot(way, way)
     inverse = 1.0 / max(square + extent, 1e-30)
-    ratio = extent / max(square, 1e-30)
-    error = min(1.2 * ratio * ratio, 1.5)
-    value = node.intensity * inverse
+    value, error, splits = node.intensity * inverse, 0.0, node.child >= 0
+    if splits:
+        ratio = extent / max(square, 1e-30)
+        error = min(1.2 * ratio * ratio, 1.5)
     if node.cos_o > -1.0:
         value *= _cone(node, negate(way), square)
         error += 0.5 * (1.0 - node.cos_o)
@@ -86,10 +87,11 @@ def estimate(node, x, n):
         height = dot(way, n)
         half = math.sqrt(3.0 * (n[0] * n[0] * spread[0] + n[1] * n[1] * spread[1] + n[2] * n[2] * spread[2]))
         if height < half:
-            error += 0.5 * min((half - height) / half, 2.0)
+            if splits:
+                error += 0.5 * min((half - height) / half, 2.0)
             height = 0.25 * (height + half) * (height + half) / half if height > -half else 0.0
         value *= max(height, 0.0) * math.sqrt(inverse) + BELOW
-    return value, value * error if node.child >= 0 else 0.0
+    return value, value * error if splits else 0.0
 
 
 @kernel

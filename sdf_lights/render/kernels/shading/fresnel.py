@@ -24,10 +24,11 @@ def dielectric(cosine, ior):
     if square <= 0.0:
         return 1.0, 0.0
     g = math.sqrt(square)  # ior · cosine of the refracted ray
-    cosine_t = g / ior
-    s = (cosine - g) / (cosine + g)
-    p = (ior * cosine - cosine_t) / (ior * cosine + cosine_t)
-    return 0.5 * (s * s + p * p), cosine_t
+    # The amplitudes are (cosine − g) / (cosine + g) and (dense − g) / (dense + g): one division for both.
+    dense = ior * ior * cosine
+    inverse = 1.0 / ((cosine + g) * (dense + g))
+    s, p = (cosine - g) * (dense + g) * inverse, (dense - g) * (cosine + g) * inverse
+    return 0.5 * (s * s + p * p), g / ior
 
 
 @kernel
@@ -100,11 +101,10 @@ def dielectric_average(ior):
 
 
 @kernel
-def remapped(reflectance, f0_real):
-    """Position of a real dielectric's reflectance between its own F0 (0) and 1 (1)."""
-    if f0_real >= 1.0:
-        return 1.0
-    return min(max((reflectance - f0_real) / (1.0 - f0_real), 0.0), 1.0)
+def remapped(reflectance, ior):
+    """Position of a real dielectric's reflectance between its own F0 (0), which is that of ``f0_of_ior``, and 1 (1)."""
+    above, below = ior + 1.0, ior - 1.0
+    return min(max((reflectance * above * above - below * below) / (4.0 * ior), 0.0), 1.0)
 
 
 @kernel

@@ -71,12 +71,12 @@ def reflectance(closure, cosine):
         )
     if closure.fresnel == FRESNEL_DIELECTRIC:
         real, cosine_t = fresnel.dielectric(cosine, closure.ior)
-        s = fresnel.remapped(real, fresnel.f0_of_ior(closure.ior))
+        s = fresnel.remapped(real, closure.ior)
         f0, tint = closure.f0, closure.reflection_tint
         f = (f0[0] + (1.0 - f0[0]) * s, f0[1] + (1.0 - f0[1]) * s, f0[2] + (1.0 - f0[2]) * s)
         r = (f[0] * tint[0], f[1] * tint[1], f[2] * tint[2])
         if not closure.transmits or cosine_t == 0.0:
-            return r, _BLACK, cosine_t
+            return r, _BLACK, 0.0
         tint = closure.transmission_tint
         return r, ((1.0 - f[0]) * tint[0], (1.0 - f[1]) * tint[1], (1.0 - f[2]) * tint[2]), cosine_t
     if closure.reflects:
@@ -115,14 +115,15 @@ def scattered(closure, wo, wi, h, inverse, r, t, density, masking_o, masking_i):
     total = average(add(r, t))
     if total <= 0.0:
         return _BLACK, 0.0
-    common = density / dot(n, wo)
+    below, both = 1.0 + masking_o, 1.0 + masking_o + masking_i
+    common = density / (dot(n, wo) * total * below * both)  # divisions take long, so there is one
     part = r
     if dot(n, wi) < 0.0:
         part = t
         common *= closure.ior * closure.ior * inverse * inverse * abs(dot(h, wo) * dot(h, wi))
     else:
         common *= 0.25
-    return scale(part, common / (1.0 + masking_o + masking_i)), common * average(part) / (total * (1.0 + masking_o))
+    return scale(part, common * total * below), common * average(part) * both
 
 
 @kernel
@@ -177,7 +178,8 @@ def chosen(closure, wo, h, r, t, cosine_t, u):
 @kernel
 def spread(closure, wo, h, cosine_t, value, probability, through, density, masking_o, masking_i):
     """f · |cos| and pdf of the result of ``chosen``."""
-    common = density / dot(vec(closure.normal), wo)
+    below, both = 1.0 + masking_o, 1.0 + masking_o + masking_i
+    common = density / (dot(vec(closure.normal), wo) * below * both)
     if through:
         cosine_ho = dot(h, wo)
         denominator = cosine_ho - closure.ior * cosine_t
@@ -186,7 +188,7 @@ def spread(closure, wo, h, cosine_t, value, probability, through, density, maski
         common *= closure.ior * closure.ior * cosine_ho * cosine_t / (denominator * denominator)
     else:
         common *= 0.25
-    return scale(value, common / (1.0 + masking_o + masking_i)), common * probability / (1.0 + masking_o)
+    return scale(value, common * below), common * probability * both
 
 
 @kernel

@@ -104,7 +104,7 @@ def _add_dielectric_layer(block, workspace, compensated, refined, weight, n, rou
     if film[0] < 0.0:
         albedo = energy.mixed(f0, e, energy.dielectric_albedo(block, ior, cosine, roughness))
     if compensated:
-        s = fresnel.remapped(fresnel.dielectric_average(ior), fresnel.f0_of_ior(ior))
+        s = fresnel.remapped(fresnel.dielectric_average(ior), ior)
         energy.compensate_reflection(block, closure, e, roughness, energy.mixed(f0, 1.0, s))
     albedo = mul(vec(closure.weight), albedo)
     finish(workspace, index, albedo)
