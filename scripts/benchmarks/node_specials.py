@@ -331,6 +331,14 @@ for _projection in ("EQUIRECTANGULAR", "MIRROR_BALL"):
 special("World of a picture that is turned", place="world")(_world_picture("EQUIRECTANGULAR", "Linear", "Generated"))
 
 
+@special("World of an image texture", place="world")
+def world_image(sources):
+    """Without coordinates: one place of the image."""
+    socket = sources.graph.node("ShaderNodeTexImage")
+    socket.node.image = node_data.panorama()
+    return _background(sources, socket)
+
+
 def _world_sky(kind: str, disc: bool):
     def build(sources):
         socket = sources.graph.node("ShaderNodeTexSky", sky_type=kind)

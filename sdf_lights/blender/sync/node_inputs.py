@@ -30,6 +30,8 @@ def _incoming(node) -> Vector:
 
 # The value of an unlinked Vector socket of these textures; for all others, Generated coordinates.
 _IMPLICIT = {"ShaderNodeTexImage": uv, "ShaderNodeTexEnvironment": lambda node: POSITION, "ShaderNodeTexIES": _incoming}
+# In worlds too, which have no UV map: an image shows one place, as in Cycles. All others have the direction there.
+_LIKE_ON_SURFACES = {"ShaderNodeTexImage"}
 # For these nodes it is zero, although they hide its value like textures.
 _NO_COORDINATES = {"ShaderNodeMapRange", "ShaderNodeVectorRotate", "ShaderNodeTexWhiteNoise"}
 
@@ -81,9 +83,10 @@ class BlenderInputs(NodeInputs):
 
     def coordinates(self) -> Vector:
         """The value of an unlinked Vector input of a texture."""
-        if self._reader.domain == "WORLD":
+        kind = self._node.bl_idname
+        if self._reader.domain == "WORLD" and kind not in _LIKE_ON_SURFACES:
             return POSITION
-        return _IMPLICIT.get(self._node.bl_idname, generated)(self)
+        return _IMPLICIT.get(kind, generated)(self)
 
     def _mapped(self, vector: Vector) -> Vector:
         """A vector after the texture mapping that some nodes contain."""
