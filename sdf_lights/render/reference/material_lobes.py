@@ -434,8 +434,8 @@ class Builder:
         if node is not None:
             lobe = principled_facets(self.points, node, lobe, self.surface.backfacing)
         roughness = mean_roughness(lobe)
-        cosine = cosine_axis(dot(normal, self.surface.wo))
-        share = self.table("dielectric", ior_axis(ior), cosine, roughness)[:, None]
+        cosine = dot(normal, self.surface.wo)
+        share = self.table("dielectric", ior_axis(ior), cosine_axis(cosine), roughness)[:, None]
         gain = 1.0
         if compensated:
             # Average of a dielectric's reflectance over the hemisphere: fits of Kulla and Conty 2017.
@@ -449,15 +449,16 @@ class Builder:
             gain = self._gain(normal, roughness, f0 + (1.0 - f0) * mean)
         e = self._lossless(normal, roughness)
         reflected = f0 * e + (1.0 - f0) * share
+        taken = f0 + (1.0 - f0) * self.table("cycles_dielectric", ior_axis(ior), cosine, roughness)[:, None]
         film = covered(lobe)[:, None]
         if np.any(film):
-            smooth = lobe.fresnel(dot(normal, self.surface.wo))[0]
-            reflected = np.where(film, smooth * e, reflected)
+            smooth = lobe.fresnel(cosine)[0]
+            reflected, taken = np.where(film, smooth * e, reflected), np.where(film, smooth, taken)
         lobe.weight, lobe.albedo = weight * gain, weight * gain * reflected
         self.lobes.append(lobe)
-        # As in Cycles, a layer that loses energy takes as much from the layers below as one that does not, and layers
-        # that reflect no caustics take nothing from them.
-        below = self._below(weight, lobe.albedo if compensated else lobe.albedo / e)
+        # The layers below lose what Cycles' coarse table says. A layer that loses energy takes as much from them as one
+        # that does not, and layers that reflect no caustics take nothing.
+        below = self._below(weight, weight * gain * taken * (e if compensated else 1.0))
         black = (self.surface.ray_kind == Ray.DIFFUSE) & (not self.reflective_caustics)
         return np.where(black[:, None], weight, below)
 

@@ -31,9 +31,9 @@ SHAPES = {
     "glass_inside_average": (SIZE, SIZE),
     "dielectric": (SIZE, SIZE, SIZE),  # GGX reflecting (F − F0) / (1 − F0) of the dielectric F, ior > 1
     "schlick": (SIZE, SIZE),  # GGX reflecting Schlick's (1 − cosθ)⁵: [cosine, roughness]
-    # What Cycles takes for "dielectric" and "schlick" of a lossless GGX, in its passes of colour: the mean over visible
-    # normals, without shadowing, of what reflects above the surface. The axes are as coarse, and have the cosine
-    # itself.
+    # What Cycles takes for "dielectric" and "schlick" of a lossless GGX, in its passes of colour and for the layers
+    # below: the mean over visible normals, without shadowing, of what reflects above the surface. The axes are as
+    # coarse, and have the cosine itself.
     "cycles_dielectric": (CYCLES_SIZE, CYCLES_SIZE, CYCLES_SIZE),
     "cycles_schlick": (CYCLES_SIZE, CYCLES_SIZE),
 }

@@ -120,7 +120,8 @@ def schlick_albedo(block, cosine, roughness):
 
 @kernel
 def cycles_dielectric(block, ior, cosine, roughness):
-    """What Cycles takes for ``dielectric_albedo`` over ``reflection_albedo``."""
+    """What Cycles takes for ``dielectric_albedo`` over ``reflection_albedo``: for layers below, and passes of
+    colour."""
     return _space(_albedo(block), _CYCLES_DIELECTRIC, roughness, cosine, _axis_of_ior(ior), CYCLES_SIZE)
 
 

@@ -100,16 +100,18 @@ def _add_dielectric_layer(block, workspace, compensated, refined, weight, n, rou
     cosine = dot(n, vec(surface_table(workspace)[0].wo))
     roughness, film = refined_albedo(block, workspace, refined, index, roughness, NO_FILM)
     e = energy.reflection_albedo(block, cosine, roughness)
-    albedo = scale(film, e)
+    albedo, taken = scale(film, e), film
     if film[0] < 0.0:
         albedo = energy.mixed(f0, e, energy.dielectric_albedo(block, ior, cosine, roughness))
+        taken = energy.mixed(f0, 1.0, energy.cycles_dielectric(block, ior, cosine, roughness))
     if compensated:
         s = fresnel.remapped(fresnel.dielectric_average(ior), ior)
         energy.compensate_reflection(block, closure, e, roughness, energy.mixed(f0, 1.0, s))
-    albedo = mul(vec(closure.weight), albedo)
-    finish(workspace, index, albedo)
-    # As in Cycles, a layer that loses energy takes as much from the layers below as one that does not.
-    return _below(weight, albedo if compensated else scale(albedo, 1.0 / e))
+        taken = scale(taken, e)
+    finish(workspace, index, mul(vec(closure.weight), albedo))
+    # The layers below lose what Cycles' coarse table says, and a layer that loses energy takes as much from them as one
+    # that does not.
+    return _below(weight, mul(vec(closure.weight), taken))
 
 
 @kernel
