@@ -227,7 +227,7 @@ class Microfacet(Lobe):
         return r * self.reflection, (1.0 - r) * self.transmission * open_
 
     def evaluate(self, wo, wi):
-        """Walter et al. 2007, equations 20 and 21."""
+        """Walter et al. 2007, equations 20 and 21; for refraction also where no microfacet is, as in Cycles."""
         n = self.normal
         co, ci = dot(n, wo), dot(n, wi)
         through = ci < 0.0
@@ -236,8 +236,7 @@ class Microfacet(Lobe):
         usable = (co > 0.0) & (ci != 0.0) & (square > 1e-16) & ~self.singular
         h = h / np.sqrt(np.where(usable, square, 1.0))[:, None]
         ho, hi, hn = dot(h, wo), dot(h, wi), dot(h, n)
-        usable &= ~through | ((ho * hi < 0.0) & (ho * hn > 0.0))
-        r, t = self.fresnel(ho)
+        r, t = self.fresnel(np.abs(ho))
         total = (r + t).mean(1)
         usable &= total > 0.0
         with np.errstate(all="ignore"):  # of rows that are not usable

@@ -19,6 +19,7 @@ from sdf_lights.render.reference.closures import (
 )
 from sdf_lights.render.reference.vectors import normalize
 from support.chi2 import chi2_sphere
+from tests.render.shading.surfaces import refracts
 
 N = normalize(np.array([[0.3, -0.4, 0.8]]))
 WO = normalize(np.array([[0.1, 0.6, 0.7]]))
@@ -79,7 +80,11 @@ def test_samples_follow_the_pdf(name):
         return np.where((lobe.evaluate(wo, wi)[1] > 0.0)[:, None] & (probability > 0.0)[:, None], wi, np.nan)
 
     def pdf(directions):
-        return build(name, len(directions)).evaluate(np.tile(WO, (len(directions), 1)), directions)[1]
+        lobe = build(name, len(directions))
+        density = lobe.evaluate(np.tile(WO, (len(directions), 1)), directions)[1]
+        if getattr(lobe, "transmits", False):
+            density = np.where(refracts(WO[0], directions, N[0], lobe.ior[0]), density, 0.0)
+        return density
 
     axis = -N[0] if name in ("translucent", "refraction") else N[0]
     result = chi2_sphere(sample, pdf, n=60_000, seed=3, confidence=0.9999, axis=axis)

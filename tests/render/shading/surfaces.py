@@ -34,6 +34,14 @@ SCATTERED = DIFFUSE | GLOSSY | TRANSMISSION
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
+def refracts(wo: np.ndarray, wi: np.ndarray, normal: np.ndarray, ior: float) -> np.ndarray:
+    """Where (N,) microfacets of a surface that wo (3,) sees can reflect or refract it to ``wi`` (N, 3). Beyond, as in
+    Cycles, only light rays find light."""
+    h = wo + ior * wi
+    ahead = h @ wo
+    return (wi @ normal >= 0.0) | (ahead * (h * wi).sum(1) < 0.0) & (ahead * (h @ normal) > 0.0)
+
+
 @kernel
 def _draw(block, workspace, u, wi, value, pdf, kind):
     for i in range(len(u)):

@@ -8,7 +8,7 @@ import pytest
 from sdf_lights.render.kernels.shading.records import DIFFUSE, GLOSSY, SINGULAR, TRANSMISSION, TRANSPARENT
 from sdf_lights.render.material import Node
 from support.chi2 import chi2_sphere
-from tests.render.shading.surfaces import Surface
+from tests.render.shading.surfaces import Surface, refracts
 
 WHITE = (1.0, 1.0, 1.0)
 RUST = (0.8, 0.5, 0.2)
@@ -95,7 +95,16 @@ def test_samples_follow_the_pdf(name):
         wi, _, pdf, _ = surface.draw(u)
         return np.where(pdf[:, None] > 0.0, wi, np.nan)
 
-    result = chi2_sphere(draw, lambda wi: surface.evaluate(wi)[1], 60_000, seed=5, confidence=0.9999)
+    def density(wi):
+        pdf = surface.evaluate(wi)[1]
+        through = surface.closures[surface.closures["transmits"] != 0]
+        return (
+            np.where(refracts(surface.hit["wo"], wi, surface.hit["n"], through["ior"][0]), pdf, 0.0)
+            if len(through)
+            else pdf
+        )
+
+    result = chi2_sphere(draw, density, 60_000, seed=5, confidence=0.9999)
     lost = result.lost / 60_000
     # Normals that mirror or refract wo to the wrong side are given up.
     assert result.integral + lost == pytest.approx(1.0, abs=0.01)
@@ -133,6 +142,16 @@ def test_reflection_is_reciprocal(node):
         forth = surface.shade(wo=a).evaluate(b[None])[0][0] / b[2]
         back = surface.shade(wo=b).evaluate(a[None])[0][0] / a[2]
         np.testing.assert_allclose(forth, back, rtol=1e-9)
+
+
+@pytest.mark.parametrize("backfacing", [False, True])
+def test_light_rays_find_light_that_no_microfacet_refracts(backfacing):
+    # Of one medium inside another, directions far from the refracted one need microfacets that face away.
+    surface = Surface(ROUGH["refraction"]).shade(0.9, backfacing)
+    wi = _hemisphere(200, 3) * (1.0, 1.0, -1.0)
+    known = refracts(surface.hit["wo"], wi, surface.hit["n"], surface.closures["ior"][0])
+    assert 20 < known.sum() < 180
+    assert np.all(surface.evaluate(wi)[1] > 0.0)
 
 
 def test_refraction_is_reciprocal_but_for_the_square_of_the_index():

@@ -89,8 +89,12 @@ def reflectance(closure, cosine):
 
 @kernel
 def half_vector(closure, wo, wi):
-    """Normal of the microfacets that scatter wo to wi, and one over its length before normalisation; 0 if there are
-    none."""
+    """Normal of the microfacets that scatter wo to wi, with any sign, and one over its length before normalisation; 0
+    if there are none.
+
+    As in Cycles, directions count as refracted that no microfacet refracts, because it would face away or reflect
+    totally. Light rays find light there, by which rough glass is brighter; ``sample`` never draws them.
+    """
     n = vec(closure.normal)
     cosine_o, cosine_i = dot(n, wo), dot(n, wi)
     through = cosine_i < 0.0
@@ -102,8 +106,6 @@ def half_vector(closure, wo, wi):
         return wo, 0.0
     inverse = 1.0 / math.sqrt(square)
     h = scale(h, inverse)
-    if through and (dot(h, wo) * dot(h, wi) >= 0.0 or dot(h, wo) * dot(h, n) <= 0.0):
-        return wo, 0.0  # no microfacet that faces wo refracts it to wi
     return h, inverse
 
 
@@ -134,7 +136,7 @@ def evaluate(closure, wo, wi):
         return _BLACK, 0.0
     n = vec(closure.normal)
     alpha2 = closure.alpha * closure.alpha
-    r, t, _ = reflectance(closure, dot(h, wo))
+    r, t, _ = reflectance(closure, abs(dot(h, wo)))
     return scattered(
         closure,
         wo,

@@ -241,7 +241,7 @@ def evaluate(block, workspace, index, x, y, z):
     h, inverse = half_vector(closure, wo, wi)
     if inverse == 0.0:
         return _NOTHING
-    r, t, _ = reflectance(block, closure, dot(h, wo))
+    r, t, _ = reflectance(block, closure, abs(dot(h, wo)))
     value, pdf = scattered(
         closure, wo, wi, h, inverse, r, t, density(closure, h), masking(closure, wo), masking(closure, wi)
     )

@@ -1,0 +1,54 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Surfaces that lights shine on directly, from where artists look at them: along floors, and through frosted glass."""
+
+import math
+
+import bpy
+import pytest
+
+pytest.importorskip("_cycles")
+
+LAYERS = {
+    "specular": {"Roughness": 0.5},
+    "smooth": {"Roughness": 0.1, "IOR": 1.8},
+    "coat": {"Roughness": 0.3, "Coat Weight": 1.0},
+}
+
+
+@pytest.mark.parametrize("name", LAYERS)
+def test_what_layers_leave_to_a_floor_seen_at_a_flat_angle(file, render, add, quad, material, name):
+    made, tree, output = material()
+    node = tree.nodes.new("ShaderNodeBsdfPrincipled")
+    for key, value in LAYERS[name].items():
+        node.inputs[key].default_value = value
+    tree.links.new(node.outputs[0], output)
+    mesh = quad()
+    mesh.materials.append(made)
+    add("Floor", mesh, scale=(40.0, 40.0, 1.0))
+    sun = bpy.data.lights.new("Sun", "SUN")
+    sun.angle = 0.0
+    add("Sun", sun, rotation=(0.5, 0.3, 0.0))
+    file.scene.cycles.max_bounces = 0
+    ours, theirs = (picture[:7, :, 0].mean(1) for picture in render(64))
+    assert theirs.min() > 0.02
+    assert ours == pytest.approx(theirs, rel=0.004)
+
+
+@pytest.mark.parametrize("backfacing", [False, True])
+@pytest.mark.parametrize("kind, distribution", [("Glass", "GGX"), ("Refraction", "GGX"), ("Refraction", "BECKMANN")])
+def test_a_light_behind_rough_glass(file, render, add, quad, material, kind, distribution, backfacing):
+    made, tree, output = material()
+    node = tree.nodes.new(f"ShaderNodeBsdf{kind}")
+    node.distribution, node.inputs["Roughness"].default_value, node.inputs["IOR"].default_value = distribution, 0.6, 1.5
+    tree.links.new(node.outputs[0], output)
+    mesh = quad()
+    mesh.materials.append(made)
+    add("Pane", mesh, (0.0, 0.0, 1.0), (math.pi / 2, 0.0, math.pi * backfacing), (4.0, 4.0, 1.0))
+    light = bpy.data.lights.new("Point", "POINT")
+    light.energy, light.shadow_soft_size = 500.0, 0.0
+    add("Light", light, (0.0, 1.0, 1.0))
+    file.scene.cycles.max_bounces = 0
+    ours, theirs = (picture[..., 0].reshape(4, 4, 6, 4).mean((1, 3)) for picture in render(256))
+    assert theirs.mean() > 0.1
+    assert ours == pytest.approx(theirs, rel=0.02, abs=1e-3)
