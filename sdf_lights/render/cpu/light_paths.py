@@ -13,6 +13,8 @@ import numpy as np
 
 from ...graph.formula import VARIABLE, order
 from ..kernels.light_paths import tree
+from ..kernels.light_paths.distant import measure
+from ..kernels.light_paths.places import find_places
 from ..kernels.light_paths.records import (
     CONNECTS,
     CONNECTS_ALL,
@@ -23,8 +25,7 @@ from ..kernels.light_paths.records import (
     TARGET,
     VERTEX,
 )
-from ..kernels.light_paths.distant import find_places, measure
-from ..kernels.light_paths.trace import find_pilots, trace_light_paths, weight_by_visibility
+from ..kernels.light_paths.trace import trace_light_paths, weight_by_visibility
 from ..kernels.lights.kinds import KINDS, TRIANGLE
 from ..kernels.outputs.records import LOBES
 from ..kernels.shading.material_records import (
@@ -35,7 +36,6 @@ from ..kernels.shading.material_records import (
     LOBE_PRINCIPLED,
     LOBE_REFRACTION,
     LOBE_TRANSLUCENT,
-    NO_GRAPH,
 )
 from ..kernels.shading.records import GLOSSY, HAS_EMISSION, HAS_TRANSPARENCY, STOPS_LIGHT_RAYS, TRANSMISSION
 from ..kernels.shading.special_lobes import (
@@ -60,9 +60,7 @@ PILOT_SHARED, PILOT_TREE_SHARED = 16, 8
 MOST_PATHS, MOST_TREE_PATHS = 16384, 8192
 PILOT_NUMBER = 1 << 30  # of light paths: beyond those of samples
 MOST_VERTICES = 32  # of a path
-# Connections for each ray that scatters where paths split. A pilot has few light paths, of
-# which more connections would tell little more.
-CONNECTIONS = 2
+CONNECTIONS = 2  # for each ray that scatters where paths split
 PATH_COST = 2.0  # of a light path, in samples of pixels
 NODES = 4096
 # Of the world and suns: targets of their light paths, and places among which these are chosen; what a place counts at
@@ -337,7 +335,7 @@ class LightPaths:
         places = np.zeros((PLACES, 3))
         self._take_targets(targets[:1], powers)
         kernels, scratch = self._workspaces[0].scene, self._workspaces[0].block
-        places = places[: find_places(kernels, scratch, scene.width, scene.height, places)]
+        places = places[: find_places(kernels, scratch, scene.width, scene.height, 2, places)]
         if len(places):
             reached = np.zeros((len(distant), len(places)))
             for number, emitter in enumerate(distant):
@@ -374,7 +372,7 @@ class LightPaths:
         vertices = raw[rows[np.arange(self._width) < lengths[:, None]]]
         pilots = np.zeros((PILOTS, 3))
         scene, scratch = self._workspaces[0].scene, self._workspaces[0].block
-        pilots = pilots[: find_pilots(scene, scratch, self._scene.width, self._scene.height, pilots)]
+        pilots = pilots[: find_places(scene, scratch, self._scene.width, self._scene.height, 1, pilots)]
         nodes, tops, count, top_count = np.zeros(NODES, NODE), np.zeros(MOST_TOPS, np.int64), 0, 0
         if len(vertices) and len(pilots):
             weight_by_visibility(scene, scratch, vertices, pilots)

@@ -26,7 +26,7 @@ from ...sdf.emission import EmissionExpression
 from ...sdf.shapes import SHAPES, Box, Difference, Sphere
 from ..film import Film
 from ..kernels.light_paths import code_table as light_path_code
-from ..kernels.light_paths import trace, tree
+from ..kernels.light_paths import distant, places, trace, tree
 from ..kernels.media import code_table as media_code
 from ..kernels.outputs import code_table as output_code
 from ..kernels.packing import BLOCK
@@ -37,7 +37,7 @@ from ..kernels.subsurface import code_table as subsurface_code
 from ..kernels.workspace import WORKSPACE
 from ..material import Material, Node
 from ..nodes import common
-from ..scene import Camera, Instance, Lamp, Mesh, Scene
+from ..scene import Camera, Instance, Lamp, Mesh, Scene, World
 from ..settings import Settings
 from .block import PackedScene, Workspace
 from .light_paths import LightPaths
@@ -98,11 +98,13 @@ def _light_paths() -> tuple[list, Callable[[], None]]:
     """Light paths, their tree, and connections with them."""
     kernels = [
         *(kernel for kernel, _ in light_path_code.KERNELS.values()),
-        *(tree.build, tree.place, trace.trace_light_paths, trace.find_pilots, trace.weight_by_visibility),
+        *(tree.build, tree.place, trace.trace_light_paths, trace.weight_by_visibility),
+        *(places.find_places, distant.measure),
     ]
 
     def run() -> None:
         scene = _scene()
+        scene.world = World((0.1, 0.1, 0.1), 1.0)
         packed = PackedScene(scene, Film(scene, ()))
         light_paths = LightPaths.of(scene, packed, [Workspace(packed)])
         assert light_paths is not None

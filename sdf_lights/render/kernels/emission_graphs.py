@@ -22,6 +22,7 @@ from .shading.records import REGISTERS, SURFACE, surface_table
 from .workspace import WORKSPACE, secondary_table
 from .world_sun import WorldMap, find_disc
 
+NO_RAY = 0  # kind of ray of light sampling, which evaluates emission for all kinds at once, as in Cycles
 MAP_ROWS = 512  # of the map of a world's nodes; more if its images have more
 MOST_MAP_ROWS = 2048
 _READ = ("constants", "emissions", *camera.TABLES, *textures.TABLES)  # by a world's nodes

@@ -17,7 +17,7 @@ from ...jit import kernel
 from ...replaced import replaced_on_gpu
 from ...vec import dot, largest, length, mul, negate, scale, vec
 from . import lights
-from .emission_graphs import modulated
+from .emission_graphs import NO_RAY, modulated
 from .geometry import surface_at, surface_table
 from .light_paths import dispatch as light_paths
 from .light_paths.records import source_table as light_path_sources
@@ -32,8 +32,6 @@ from .shading.records import SCATTERED
 from .terminator import light_start
 from .visibility import BLACK, shadow_ray, transmittance, visible_lamp
 from .workspace import box_table, cut_of, light_cut_of, region_table, secondary_table, spans_of
-
-NO_RAY = 0  # light sampling evaluates emission for all kinds of rays at once, as in Cycles
 
 
 @kernel

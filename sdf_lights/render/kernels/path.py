@@ -77,9 +77,9 @@ SAMPLE = np.dtype(
 # ``path_weight`` is the part that they are expected to leave to the ray, if Russian roulette has counted on that;
 # else 1. ``connections``: how many were made where the ray left, by row ``choice`` of what that surface expects of the
 # tree. ``connects_again`` is 1 where a later surface is connected, too, and ``unconnected`` is the part of the light of
-# sources that connections of surfaces before have left. ``stopped`` is not 0 if the ray has passed a surface that stops light rays. ``catches`` is 1 once the camera's
-# path has hit a shadow catcher. ``spans`` still holds the ``kept_count`` intervals of the lamp ``kept`` along the ray;
-# −1: of none.
+# sources that connections of surfaces before have left. ``stopped`` is not 0 if the ray has passed a surface that stops
+# light rays. ``catches`` is 1 once the camera's path has hit a shadow catcher. ``spans`` still holds the ``kept_count``
+# intervals of the lamp ``kept`` along the ray; −1: of none.
 PATH = np.dtype(
     [
         ("origin", "f8", 3),

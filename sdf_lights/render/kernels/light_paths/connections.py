@@ -25,7 +25,7 @@ from ....jit import kernel
 from ....vec import ZERO, average, dot, length, madd, mul, negate, normalize, put, scale, sub, transform_normal, vec
 from .. import lights
 from ..geometry import TRIANGLES, hit_material, instance_at, instance_table, surface_at
-from ..path import BEYOND, NOWHERE, WHITE, contribute, path_table
+from ..path import BEYOND, NOWHERE, contribute, path_table
 from ..ray_origins import spawn_ray
 from ..rays import hit_instance, hit_normal, ray_table
 from ..samplers import get_1d, get_2d

@@ -4,9 +4,9 @@
 
 Their light passes through the whole scene, and most of it never comes near to what the picture shows: in a room, a part
 of it comes through the windows. So light paths are sent past *targets*: places that the camera sees, or that are seen
-from there, which the light of the world and of suns reaches. A direction is drawn as for light rays, then a target, then
-a point of a disk around that, across the direction. The disk is one of some sizes, so other places are lit, too, and one
-disk is that of the whole scene. The density of the line is the mean over all targets and disks.
+from there, which the light of the world and of suns reaches. A direction is drawn as for light rays, then a target,
+then a point of a disk around that, across the direction. The disk is one of some sizes, so other places are lit, too,
+and one disk is that of the whole scene. The density of the line is the mean over all targets and disks.
 """
 
 from __future__ import annotations
@@ -18,22 +18,19 @@ import numpy as np
 from ....jit import kernel
 from ....vec import ZERO, average, dot, frame, length, madd, negate, scale, sub, vec
 from .. import lights
-from ..camera import camera_ray
-from ..emission_graphs import modulated
+from ..emission_graphs import NO_RAY, modulated
 from ..ray_origins import clear_self_primitive
 from ..rays import intersect, ray_table, start_anew
-from ..samplers import get_2d, get_4d, pixel_seed
+from ..samplers import get_2d, pixel_seed
 from ..shading.records import DIFFUSE
 from .records import PLACE, target_table
 
-NO_RAY = 0  # emission is evaluated for all kinds of rays, as by light sampling
 SCENE_SHARE = 0.1  # of the disk of the whole scene
 SIZES, GROWTH = 5, 3.0  # of a target's disks; each is so many times as wide as the last one
 SMALLER = 0.7  # share of a disk, of that of the next smaller one
 TOTAL = (1.0 - SMALLER**SIZES) / (1.0 - SMALLER)
 TRIALS = 16  # rays of each emitter to a place
 SAME_PLACE = 1e-3  # part of the scene's radius: a ray that ends so near to a place reaches that
-AWAY = 1e-4  # part of a ray's length by which the next one starts before its end
 
 
 @kernel
@@ -101,34 +98,9 @@ def leave_distant(block, workspace, emitter, u1, u2, u3, v1, v2):
 
 
 @kernel
-def find_places(block, workspace, width, height, places):
-    """Fill ``places`` (n, 3) with what rays of the camera through even points of the picture meet, and with what rays
-    in any direction from there meet; returns how many."""
-    scene, scratch, found, seed = block[0], workspace[0], 0, pixel_seed(PLACE + 1, PLACE, block[0].seed)
-    clear_self_primitive(ray_table(scratch)[0])
-    for index in range(len(places) // 2):
-        u = get_4d(index, seed, 0)
-        origin, direction, t_min, t_max = camera_ray(scene, u[0] * width, u[1] * height, 0.5, 0.5)
-        for _ in range(2):
-            start_anew(scene, scratch)
-            if not (t_max > t_min and intersect(scene, scratch, origin, direction, t_min, t_max, DIFFUSE)):
-                break
-            distance = float(ray_table(scratch)[0].t_far)
-            place = madd(origin, distance, direction)
-            for axis in range(3):
-                places[found, axis] = place[axis]
-            found += 1
-            origin = madd(origin, distance * (1.0 - AWAY), direction)
-            z, phi = 1.0 - 2.0 * u[2], 2.0 * math.pi * u[3]
-            s = math.sqrt(max(1.0 - z * z, 0.0))
-            direction, t_min, t_max = (s * math.cos(phi), s * math.sin(phi), z), 0.0, np.inf
-    return found
-
-
-@kernel
 def measure(block, workspace, emitter, number, places, found):
     """``found`` (n,): the mean irradiance, across its rays, by which a distant emitter reaches each of the places."""
-    scene, scratch, seed = block[0], workspace[0], pixel_seed(PLACE + 2, PLACE + number, block[0].seed)
+    scene, scratch, seed = block[0], workspace[0], pixel_seed(PLACE + 1, PLACE + number, block[0].seed)
     sphere = target_table(scene)[0]
     near = SAME_PLACE * sphere.radius
     clear_self_primitive(ray_table(scratch)[0])

@@ -9,8 +9,8 @@ import numpy as np
 from ....jit import table
 
 # Where a light path has met a surface that scatters light. ``wi`` is the way back to where the light came from. The
-# vertex stands for light that leaves on the side of ``normal``, the geometric normal, and ``flux`` is the power (RGB, W)
-# that arrives for that.
+# vertex stands for light that leaves on the side of ``normal``, the geometric normal, and ``flux`` is the power (RGB,
+# W) that arrives for that.
 VERTEX = np.dtype(
     [
         ("position", "f8", 3),
@@ -59,8 +59,8 @@ TARGET = np.dtype([("position", "f8", 3), ("radius", "f8")], align=True)
 
 PLACE = 1 << 20  # of a pixel that no picture has, whose random numbers light paths have
 MOST_TOPS = 32
-# Of a material: connections find light that it scatters; all of that; light paths follow what it scatters diffusely, and
-# by all closures. AT_VERTEX instead, in the ``follow`` of a path: they find what the surface scatters, but in sharp
+# Of a material: connections find light that it scatters; all of that; light paths follow what it scatters diffusely,
+# and by all closures. AT_VERTEX instead, in the ``follow`` of a path: they find what the surface scatters, but in sharp
 # lobes.
 CONNECTS, CONNECTS_ALL, FOLLOW_DIFFUSE, FOLLOW_ALL, AT_VERTEX = 1, 2, 4, 8, 16
 # What a point expects of each top node.

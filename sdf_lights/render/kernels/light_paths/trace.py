@@ -24,10 +24,9 @@ from .... import emitter as lamps
 from ....emitter.lamps import lamps as lamp_table
 from ....emitter.sampling.cut_points import uniform_intensity
 from ....jit import kernel
-from ....vec import ZERO, add, average, dot, frame, largest, length, madd, mul, negate, put, scale, sub, to_world, vec
+from ....vec import ZERO, add, average, dot, frame, largest, length, mul, negate, put, scale, sub, to_world, vec
 from .. import lights
-from ..camera import camera_ray
-from ..emission_graphs import modulated
+from ..emission_graphs import NO_RAY, modulated
 from ..geometry import TRIANGLES, find_surface, instance_table, surface_at, surface_table
 from ..ray_origins import clear_self_primitive, offset_ray_origin, spawn_ray
 from ..rays import SHADOW_OPAQUE, beyond, hit_instance, intersect, occluded, ray_table, start_anew
@@ -47,7 +46,7 @@ from ..shading.records import (
 from ..visibility import shadow_ray
 from ..workspace import secondary_table
 from .connections import breadth
-from .distant import NO_RAY, leave_distant
+from .distant import leave_distant
 from .records import CONNECTS, FOLLOW_ALL, FOLLOW_DIFFUSE, PLACE, material_table, power_table
 
 SAME_DIRECTION = 1.0 - 1e-9  # cosine of the angle between what a mirror gives and what it should
@@ -312,24 +311,6 @@ def trace_light_paths(block, workspace, first, last, total, number, width, raw, 
     seed = pixel_seed(PLACE + number, PLACE, scene.seed)
     for index in range(first, last):
         lengths[index] = _trace(scene, scratch, index, total, seed, raw, index * width, width)
-
-
-@kernel
-def find_pilots(block, workspace, width, height, places):
-    """Fill ``places`` (count, 3) with what rays of the camera through even points of the picture meet; returns how
-    many."""
-    scene, scratch, found = block[0], workspace[0], 0
-    clear_self_primitive(ray_table(scratch)[0])
-    for index in range(len(places)):
-        u = get_2d(index, pixel_seed(PLACE, PLACE, scene.seed), 0)
-        origin, direction, t_min, t_max = camera_ray(scene, u[0] * width, u[1] * height, 0.5, 0.5)
-        start_anew(scene, scratch)
-        if t_max > t_min and intersect(scene, scratch, origin, direction, t_min, t_max, DIFFUSE):
-            place = madd(origin, float(ray_table(scratch)[0].t_far), direction)
-            for axis in range(3):
-                places[found, axis] = place[axis]
-            found += 1
-    return found
 
 
 @kernel

@@ -18,8 +18,8 @@ from ....jit import kernel, stack_array
 from ....vec import add, average, dot, largest, length, madd, mul, scale, sub, vec
 from ...scene import Ray
 from .. import lights
-from ..emission_graphs import modulated
-from ..next_event import NO_RAY, mis_applies, shade_triangle
+from ..emission_graphs import NO_RAY, modulated
+from ..next_event import mis_applies, shade_triangle
 from ..outputs.state import LIGHT_RAY, scattered_in_medium
 from ..path import LIGHT_SET, MEDIA_SETS, PLACE_SET, contribute, path_table
 from ..samplers import get_2d, get_4d
