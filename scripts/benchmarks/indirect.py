@@ -41,8 +41,9 @@ BOUNCES = 4  # of scenes of lamps
 SIZE, QUICK_SIZE = 128, 64
 SAMPLES, QUICK_SAMPLES = 32, 16
 LIGHTS_SAMPLES = 64  # without SDF lamps, shorter renders do not try light paths
+INTERIORS_SIZE = 128  # smaller renders would mostly measure what comes before the first sample
 SEEDS, QUICK_SEEDS = 8, 3
-RIVALS_SEEDS, QUICK_RIVALS_SEEDS = 8, 2
+RIVALS_SEEDS, QUICK_RIVALS_SEEDS = 8, 3
 DOCUMENT = host.REPOSITORY / "docs" / "sampling.md"
 BEGIN, END = "<!-- indirect -->", "<!-- end of indirect -->"
 COLUMNS = dict(
@@ -75,8 +76,9 @@ def _render(name: str, scene, variant: str, samples: int, seed: int, device: str
 def measure(name: str, options) -> dict:
     """The row of a scene."""
     build = indirect_rivals.build_interior if name in INTERIORS else allocation.build
-    scene = (indirect_rooms.build if name in (*ROOMS, *LIGHTS) else build)(name, QUICK_SIZE if options.quick else SIZE)
-    samples = LIGHTS_SAMPLES if name in LIGHTS else QUICK_SAMPLES if options.quick else SAMPLES
+    size = INTERIORS_SIZE if name in INTERIORS else QUICK_SIZE if options.quick else SIZE
+    scene = (indirect_rooms.build if name in (*ROOMS, *LIGHTS) else build)(name, size)
+    samples = LIGHTS_SAMPLES if name in (*LIGHTS, *INTERIORS) else QUICK_SAMPLES if options.quick else SAMPLES
     seeds = max(options.repeats or (QUICK_SEEDS if options.quick else SEEDS), 2)
     for variant in (WITHOUT, AUTOMATIC):
         _render(name, scene, variant, 2, 0, options.device)  # compiles, and fills caches
