@@ -5,6 +5,7 @@
 import math
 
 import bpy
+import numpy as np
 import pytest
 
 pytest.importorskip("_cycles")
@@ -52,3 +53,19 @@ def test_a_light_behind_rough_glass(file, render, add, quad, material, kind, dis
     ours, theirs = (picture[..., 0].reshape(4, 4, 6, 4).mean((1, 3)) for picture in render(256))
     assert theirs.mean() > 0.1
     assert ours == pytest.approx(theirs, rel=0.02, abs=1e-3)
+
+
+def test_glowing_faces_do_not_light_themselves(file, render, material):
+    # Nothing lights a convex body that glows: it is as bright as it glows.
+    made, tree, output = material()
+    node = tree.nodes.new("ShaderNodeBsdfPrincipled")
+    node.inputs["Emission Strength"].default_value, node.inputs["Specular IOR Level"].default_value = 1.0, 0.0
+    tree.links.new(node.outputs[0], output)
+    bpy.ops.mesh.primitive_ico_sphere_add(
+        subdivisions=1, radius=1.5, location=(0.1, 0.2, 1.3), rotation=(0.3, 0.5, 0.7)
+    )
+    bpy.context.object.data.materials.append(made)
+    file.scene.cycles.max_bounces = 0
+    ours, theirs = (picture[..., 0] / np.maximum(picture[..., 3], 0.5) for picture in render(64))
+    assert theirs.max() == pytest.approx(1.0, rel=1e-4)
+    assert ours.max() == pytest.approx(1.0, rel=1e-4)

@@ -222,6 +222,8 @@ def sample_direct_light(block, workspace):
     if emitter < block.lamp_count:
         sample_lamp_light(block, workspace, emitter, pmf, u0, u[1], u[2], u[3])
         return
+    if lights.is_this_triangle(block, emitter, surface.instance, surface.primitive):
+        return  # a plane does not light itself, but for the rounding of x it would
     wi, distance, radiance, pdf, singular = lights.sample_light(block, emitter, x, n, u[1], u[2])
     if pdf <= 0.0 or largest(radiance) <= 0.0:
         return

@@ -183,6 +183,16 @@ def triangle_textured(block, emitter):
 
 
 @kernel
+def is_this_triangle(block, emitter, instance, primitive):
+    """Whether the emitter is this triangle of an instance."""
+    row = emitter_table(block)[emitter]
+    if row.kind != TRIANGLE:
+        return False
+    found = triangle.rows(block)[row.index]
+    return found.instance == instance and found.primitive == primitive
+
+
+@kernel
 def triangle_place(block, emitter):
     """Instance, primitive and area (m²) of an emissive triangle."""
     row = triangle.rows(block)[emitter_table(block)[emitter].index]
