@@ -140,7 +140,6 @@ class Film:
         self.active = np.ones(pixels, np.uint8)
         self.divided, self.squares = np.zeros((pixels, DIVIDED)), np.zeros((pixels, SQUARES))
         self.earlier: tuple[np.ndarray, np.ndarray] | None = None
-        self.connected = False  # whether its samples connect paths from the camera to light paths
         self.branches = np.full(pixels, scene.settings.indirect_paths or START_BRANCHES, np.int32)
         self.rate, self.next_update = np.ones(pixels), 0
         self.discarded = np.zeros(pixels * len(DISCARDED), np.int32)

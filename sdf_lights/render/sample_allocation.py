@@ -218,15 +218,8 @@ def _noise(film: Film, known: np.ndarray) -> _Noise | None:
     # What the scatter of branches does not explain falls with the number of samples alone. Where it explains too much,
     # branches are stratified, and scatter by as much less.
     excess = neighbours(rest - part * branch, informed, NEAR)
-    if film.connected:
-        # With light paths, little of the noise is rare. So the sum over the picture is known well: where the scatter
-        # explains too much, it is by chance.
-        total, positive = excess[known].sum(), np.maximum(excess, 0.0)
-        first = first + positive * max(total, 0.0) / max(positive[known].sum(), 1e-300)
-        second = second * max(1.0 + min(total, 0.0) / max((part * second)[known].sum(), 1e-300), 0.0)
-    else:
-        first = first + np.maximum(excess, 0.0)
-        second = np.maximum(second + np.minimum(excess, 0.0) / np.maximum(part, 1e-9), 0.0)
+    first = first + np.maximum(excess, 0.0)
+    second = np.maximum(second + np.minimum(excess, 0.0) / np.maximum(part, 1e-9), 0.0)
     if not (first.any() or second.any()):
         return None
     power = _power(film, known, sums, variance, weight)

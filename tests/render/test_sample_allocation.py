@@ -172,40 +172,22 @@ def test_the_fall_of_noise_is_measured(stratified):
     assert power == sample_allocation.MOST_POWER if stratified else 1.0 <= power < 1.1
 
 
-def divided_film(light: np.ndarray) -> Film:
-    """A film whose samples have what their branches bring, (samples, branches, pixels)."""
-    film, (number, branches, _) = Film(stage(), ()), light.shape
-    film.samples, film.count[:] = number, number
-    film.divided[:] = number * branches, 0.0, number * branches, number / branches, 0.0
-    film.sums["scattered"].reshape(-1, 3)[:, 0] = light.sum(axis=(0, 1))
-    whole = light.mean(axis=1)
-    film.squares[:, 1], film.squares[:, 2] = (whole**2).sum(axis=0), whole.sum(axis=0)
-    film.squares[:, 3] = branches * light.var(axis=1).sum(axis=0)
-    return film
-
-
 @pytest.mark.parametrize("shared", [0.0, 1.0])
 def test_what_branches_share_takes_samples(shared):
     """Where all branches of a sample bring the same, as where the camera's ray meets other things each time, one is
     enough."""
     rng, number, branches = np.random.default_rng(6), 8, 4
-    light = 1.0 + rng.random((number, branches, SIZE * SIZE))
+    film = Film(stage(), ())
+    film.samples, film.count[:] = number, number
+    film.divided[:] = number * branches, 0.0, number * branches, number / branches, 0.0
+    light = 1.0 + rng.random((number, branches, film.count.size))
     light = shared * light[:, :1] + (1.0 - shared) * light
-    film, whole = divided_film(light), light.mean(axis=1)
+    film.sums["scattered"].reshape(-1, 3)[:, 0] = light.sum(axis=(0, 1))
+    whole = light.mean(axis=1)
+    film.squares[:, 1], film.squares[:, 2] = (whole**2).sum(axis=0), whole.sum(axis=0)
+    film.squares[:, 3] = branches * light.var(axis=1).sum(axis=0)
     noise = sample_allocation._noise(film, np.ones(film.count.size, bool))
     of_all = whole.var(axis=0, ddof=1).mean()
     known = np.array([noise.first.mean(), noise.second.mean() / branches])
     weight = np.mean(1.0 / (light.mean() ** 2 * (1.0 + sample_allocation.FLOOR)))
     np.testing.assert_allclose(known, of_all * weight * np.array([shared, 1.0 - shared]), atol=0.1 * of_all * weight)
-
-
-def test_what_is_noise_of_branches_with_light_paths():
-    """Two samples scatter by their branches alone, but by chance estimates of both differ. With light paths, the sum
-    over the picture tells that. Without, paths divide less, because rare light makes branches look too good."""
-    light, shares = 1.0 + np.random.default_rng(6).random((2, 4, SIZE * SIZE)), []
-    for connected in (False, True):
-        film = divided_film(light)
-        film.connected = connected
-        noise = sample_allocation._noise(film, np.ones(film.count.size, bool))
-        shares.append(noise.first.sum() / (noise.first + noise.second / 4).sum())
-    assert shares[1] < 0.05 < shares[0]

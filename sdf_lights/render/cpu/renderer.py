@@ -126,7 +126,6 @@ class CpuRenderer:
             sample_allocation.divide(film, self._settings)
         if first == 0 and not self._try_light_paths(stop):
             return False
-        film.connected = self._light_paths is not None
         at, end = first, first + count
         while at < end:
             to = min(self._light_paths.use(at), end) if self._light_paths is not None else end
