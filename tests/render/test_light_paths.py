@@ -189,6 +189,10 @@ def _emission(scene) -> None:
     add(scene, 1, translation(0.0, 0.0, 0.2), material("emission", "glow", color=(1.0, 1.0, 1.0), strength=1.0))
 
 
+def _clamp(scene) -> None:
+    scene.settings = dataclasses.replace(scene.settings, clamp_indirect=0.5)
+
+
 def _toon(scene) -> None:
     scene.materials[scene.instances[5].materials[0]] = material("toon", "toon", color=(0.8, 0.8, 0.8))
 
@@ -204,8 +208,9 @@ def _toon(scene) -> None:
         _object(visibility=Ray.ALL & ~Ray.GLOSSY),
         _object(visibility=Ray.ALL & ~Ray.SHADOW),
         _toon,
+        _clamp,
     ],
-    ids=["unseen", "no shadow rays", "receivers", "blockers", "bounces", "object", "no shadow", "toon"],
+    ids=["unseen", "no shadow rays", "receivers", "blockers", "bounces", "object", "no shadow", "toon", "clamp"],
 )
 def test_what_they_cannot_follow_leaves_them_off(change):
     assert np.array_equal(*(picture(each, change=change, samples=2) for each in (WITHOUT, ALWAYS)))

@@ -77,6 +77,7 @@ UNBLURRED_LOBES = tuple(
     set(SIMPLE_LOBES) - {LOBE_GLOSSY, LOBE_GLASS, LOBE_REFRACTION, LOBE_PRINCIPLED}
 )  # by Filter Glossy
 BROAD_LOBES = (LOBE_DIFFUSE, LOBE_TRANSLUCENT)
+LEAST_CLAMP = 1.0  # of indirect light: a stronger clamp changes the brightness of a picture clearly
 LEAST_FILTER = 1.0  # limit of Filter Glossy: well above 1/π, the greatest density of diffuse scattering
 END_OF_KNOWN, THIN = LOBE_SUBSURFACE + 1, WITH_THIN_WALL | WITH_THIN_SCATTERING
 
@@ -97,12 +98,15 @@ def supports_light_paths(scene: Scene, packed: PackedScene) -> bool:
     - No pass wants light by the lobe that scattered it first: what connections take from a ray is of diffuse lobes
       alone.
     - No material has a BSDF that light paths do not know: see ``materials_of``.
+    - Indirect light is not clamped strongly. A clamp takes less from connections than from paths, so the picture would
+      be brighter than in Cycles.
     - A light path has ``MOST_VERTICES`` at most, and passes transparent surfaces where there are some.
     """
     settings, block = scene.settings, packed.block[0]
     return bool(
         settings.lamp_paths is not LampPaths.NEVER
         and settings.max_bounces > 0
+        and not 0.0 < settings.clamp_indirect < LEAST_CLAMP
         and vertices_of(scene, packed) <= MOST_VERTICES
         and (settings.transparent_bounces > 0 or not block["transparent_shadows"])
         and all(
