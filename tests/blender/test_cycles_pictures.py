@@ -60,7 +60,7 @@ def room(file, add, quad, material):
 CASES = {
     "as it is": (dict(), 0.0),
     "clamp of direct light": (dict(sample_clamp_direct=0.25), 0.05),
-    "clamp of indirect light": (dict(sample_clamp_indirect=0.05), 0.02),
+    "clamp of indirect light": (dict(sample_clamp_indirect=0.1), 0.02),
     "no reflective caustics": (dict(caustics_reflective=False), 0.02),
     "no refractive caustics": (dict(caustics_refractive=False), 0.02),
     "no caustics": (dict(caustics_reflective=False, caustics_refractive=False), 0.04),
