@@ -89,14 +89,13 @@ def supports_light_paths(scene: Scene, packed: PackedScene) -> bool:
     """Whether connections may take light from paths, and whether that is asked for, if ``powers_of`` and
     ``materials_of`` allow it: see ``tables_of``.
 
-    - There are lamps or lights from which light paths start: see ``powers_of``. What others, the world and surfaces
-      emit is left to paths, and so is what light paths cannot follow: see ``materials_of``.
+    - There are lamps or lights from which light paths start: see ``powers_of``. What others emit is left to
+      paths, and so is what light paths cannot follow: see ``materials_of``.
     - Each object is met by all kinds of rays but the camera's or by none, as a light path does not know yet what kind
       of ray it is seen by. For the same reason no material asks for the ray that meets it, no caustics are off.
     - Nothing moves, scatters in a volume or catches shadows, and strands are opaque. What is transparent is so to light
       rays, too.
-    - No pass wants light by the lobe that scattered it first: what connections take from a ray is of diffuse lobes
-      alone.
+    - No pass wants light by the lobe that scattered it first: a connection is of all lobes together.
     - No material has a BSDF that light paths do not know: see ``materials_of``.
     - Indirect light is not clamped strongly. A clamp takes less from connections than from paths, so the picture would
       be brighter than in Cycles.

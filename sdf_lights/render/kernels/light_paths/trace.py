@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Light paths: from points of lamps, lights and emissive triangles on, by emission, with a vertex wherever a surface
-scatters light.
+"""Light paths: from points of lamps, lights and emissive triangles on, and from the world, by emission, with a vertex
+wherever a surface scatters light.
 
 A path carries flux. A surface scatters it by the BSDF that a path from the camera would meet, so a surface is shaded
 once more for the direction that was drawn, with the light where that came from (Veach 1997, section 5.3: adjoint
@@ -51,6 +51,9 @@ from .records import CONNECTS, FOLLOW_ALL, FOLLOW_DIFFUSE, PLACE, material_table
 
 SAME_DIRECTION = 1.0 - 1e-9  # cosine of the angle between what a mirror gives and what it should
 VISIBILITY_RAYS, LEAST_VISIBILITY = 4, 0.02  # rays from a vertex to pilots; what it counts where none of these see it
+# What a side of a rough surface counts at least, if light may leave there: microfacets that are turned away scatter
+# some where the smooth surface has total reflection.
+LEAST_SIDE = 0.05
 NEARLY = 0.999  # of the way to a pilot, whose surface is not in the way
 FIRST_SETS, BOUNCE_SETS = 2, 2  # sets of random numbers of a path, and of each surface that it meets
 MEAN_DENSITY = 8.0 / (15.0 * math.pi)  # of ``_expected_density``, for all cosines
@@ -202,7 +205,8 @@ def _importance(workspace, flux):
             beyond_it += power
         elif closure.kind == MICROFACET and power > 0.0:
             r, t, _ = reflectance(closure, abs(dot(vec(closure.normal), vec(surface.wo))))
-            here, beyond_it = here + power * average(r), beyond_it + power * average(t)
+            here += power * max(average(r), LEAST_SIDE * closure.reflects)
+            beyond_it += power * max(average(t), LEAST_SIDE * closure.transmits)
         else:
             here += power
     return here, beyond_it
