@@ -14,7 +14,7 @@ from sdf_lights.render.merging import Layer, Share, merge
 from support.scenes import torus_room
 
 SIZE, BLOCK = (16, 12), 4
-SEEDS, SAMPLES, RANGES = 16, 64, 4
+SEEDS, SAMPLES, RANGES = 24, 64, 4
 CONFIDENCE = 0.999  # that pictures without bias pass, for all blocks and both cases together
 SEEN, SEEN_IN_ALL = 0.02, 0.005  # relative bias, of a block and of the picture, that would be found
 ADAPTIVE = {"threshold": dict(noise_threshold=0.1, min_samples=16), "guided": dict(guided_samples=True)}
