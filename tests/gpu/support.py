@@ -14,7 +14,7 @@ import pytest
 from sdf_lights.graph import codegen_glsl
 from sdf_lights.render.film import Film
 from sdf_lights.render.gpu import images as gpu_images
-from sdf_lights.render.gpu import packed_scene, replacements
+from sdf_lights.render.gpu import packed_scene, replacements, thread_arrays
 from sdf_lights.render.gpu.device import Device, DeviceError, device
 from sdf_lights.render.gpu.tables import Tables
 from sdf_lights.render.gpu.translate import BLOCK, FLOAT, INT, VECTOR, WORKSPACE, Translator, Tuple, Value, known
@@ -137,7 +137,7 @@ def on_gpu(kernel, *columns: np.ndarray) -> np.ndarray:
 
 
 _MAIN = """
-layout(local_size_x = 64) in;
+layout(local_size_x = GROUP) in;
 layout(std430, binding = 1) buffer Numbers { float numbers[]; };
 vec3 number(int place) { return vec3(numbers[place], numbers[place + 1], numbers[place + 2]); }
 void main()
@@ -162,7 +162,7 @@ def with_lamp(
     scene = scenes.SCENES["torus_room"](8, 6)
     scene.lamps = [dataclasses.replace(scene.lamps[0], shape=shape, matrix=np.eye(4))]
     scene.settings.lamp_sampling, scene.settings.max_bounces = sampling, 0  # else the GPU has no cuts
-    packed = packed_scene.GpuScene(scene, Film(scene, ()))
+    packed = packed_scene.GpuScene(scene, Film(scene, ()), found.software)
     assert packed.cuts == (sampling is LampSampling.CUT)
     translator = packed.translator()
     given = [f"number(at + {place})" for place in range(0, numbers.shape[1], 3)]
@@ -189,14 +189,17 @@ def with_lamp(
             context.buffer(np.ascontiguousarray(array).tobytes())
             for array in (words, numbers.astype(np.float32), np.zeros(1, np.uint32), np.zeros(2, np.float32), second)
         ]
+        own = context.buffer(reserve=4 * max(packed.tables.arrays.words, 1) * len(numbers))
+        for binding in thread_arrays.KINDS.values():
+            own.bind_to_storage_buffer(binding)
         block = context.buffer(uniforms.tobytes())
         block.bind_to_uniform_block(0)
         for binding, buffer in enumerate(buffers):
             buffer.bind_to_storage_buffer(binding)
-        shader.run(len(numbers) // GROUP)
+        shader.run(len(numbers) // packed.group)
         values = np.frombuffer(buffers[1].read(), np.float32).reshape(numbers.shape)[:, : len(parts)].astype(float)
         lengths = np.frombuffer(buffers[3].read(), np.float32).astype(float)
-        for buffer in (*buffers, block):
+        for buffer in (*buffers, block, own):
             buffer.release()
         return values, lengths
 

@@ -10,6 +10,7 @@ import pytest
 
 from sdf_lights import jit
 from sdf_lights.render.film import Film
+from sdf_lights.render.gpu import thread_arrays
 from sdf_lights.render.gpu.packed_scene import GpuScene
 from support import scenes
 from support.scenes.media import MEDIA_SCENES
@@ -19,9 +20,22 @@ pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installe
 SCENES = scenes.SCENES | MEDIA_SCENES
 
 
-def program(name: str) -> str:
+def program(name: str, **settings) -> str:
+    """That of a graphics card."""
     scene = SCENES[name](8, 6)
+    for setting, value in settings.items():
+        setattr(scene.settings, setting, value)
     return GpuScene(scene, Film(scene, ())).source()
+
+
+def complaints(source: str, path) -> tuple[int, list[str]]:
+    """What the reference compiler tells of a program."""
+    compiler = shutil.which("glslangValidator")
+    if compiler is None:
+        pytest.skip("needs the reference compiler for GLSL: apt-get install glslang-tools")
+    path.write_text(source, encoding="utf-8")
+    told = subprocess.run([compiler, str(path)], capture_output=True, text=True, timeout=120)
+    return told.returncode, [line for line in told.stdout.splitlines() if line.startswith(("ERROR", "WARNING"))]
 
 
 @pytest.mark.parametrize("name", ["transparent", "field_lamps", "shadow_catcher", "environment"])
@@ -33,11 +47,14 @@ def test_no_name_is_reserved(name):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SCENES)
 def test_the_reference_compiler_has_no_complaint(name, tmp_path):
-    compiler = shutil.which("glslangValidator")
-    if compiler is None:
-        pytest.skip("needs the reference compiler for GLSL: apt-get install glslang-tools")
-    path = tmp_path / "program.comp"
-    path.write_text(program(name), encoding="utf-8")
-    told = subprocess.run([compiler, str(path)], capture_output=True, text=True, timeout=120)
-    complaints = [line for line in told.stdout.splitlines() if line.startswith(("ERROR", "WARNING"))]
-    assert (told.returncode, complaints) == (0, [])
+    assert complaints(program(name), tmp_path / "program.comp") == (0, [])
+
+
+@pytest.mark.parametrize("name", ["torus_room", "field_lamps"])
+def test_long_arrays_are_in_a_buffer(name, tmp_path):
+    """With direct light alone there are the arrays of cuts, too."""
+    source = program(name, max_bounces=0)
+    lengths = [int(count) for count in re.findall(r"^float \w+\[(\d+)\];", source, re.MULTILINE)]
+    assert lengths and max(lengths) <= thread_arrays.SHORT
+    assert "own_floats[OWN(" in source and "own_ints[OWN(" in source
+    assert complaints(source, tmp_path / "program.comp") == (0, [])

@@ -24,8 +24,8 @@ from tests.gpu.support import device_or_skip
 pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installed")
 
 
-def render(device: Device, cancelled=lambda: False, **settings):
-    scene = scenes.SCENES["torus_room"](24, 18)
+def render(device: Device, name="torus_room", cancelled=lambda: False, **settings):
+    scene = scenes.SCENES[name](24, 18)
     scene.settings.device = device
     for name, value in {"samples": 4, **settings}.items():
         setattr(scene.settings, name, value)
@@ -39,17 +39,35 @@ def test_the_gpu_renders_when_it_is_asked_to():
     assert film.samples == 4 and film.read("Combined")[..., :3].mean() > 0.0
 
 
-@pytest.mark.parametrize("slab", [None, 64 * 3])
-def test_the_dispatches_of_a_graphics_card_give_the_same_sums(monkeypatch, slab):
-    """It takes more pixels and fewer samples at a time, and reads textures in another way."""
+@pytest.mark.parametrize(
+    "name, settings, slab",
+    [
+        ("torus_room", dict(samples=24), None),
+        ("torus_room", dict(samples=24), 64 * 3),
+        ("torus_room", dict(samples=24, max_bounces=0), 64 * 3),  # has cuts
+        ("field_lamps", dict(max_bounces=0), None),
+    ],
+)
+def test_a_graphics_card_gives_the_same_sums(monkeypatch, name, settings, slab):
+    """It has its own dispatches, the arrays of a thread are in a buffer, and textures are read in another way."""
     found = device_or_skip()
-    _, first = render(Device.GPU, samples=24)
-    monkeypatch.setattr(found, "images", not found.images)
-    if slab:
-        monkeypatch.setattr(renderer, "SLAB", slab)
-        monkeypatch.setattr(renderer, "SLAB_OF_CARD", slab)
-    _, second = render(Device.GPU, samples=24)
+    films, words = [], []
+    reserve = renderer.GpuRenderer._reserve_arrays
+
+    def noted(self, context) -> None:
+        reserve(self, context)
+        words.append(self._packed.tables.arrays.words)
+
+    monkeypatch.setattr(renderer.GpuRenderer, "_reserve_arrays", noted)
+    for software in (True, False):
+        monkeypatch.setattr(found, "software", software)
+        films.append(render(Device.GPU, name, **settings)[1])
+        if slab:
+            monkeypatch.setattr(renderer, "SLAB_OF_CARD", slab)
+            monkeypatch.setattr(renderer, "ARRAYS_BYTES", 1)  # one group of threads
+    first, second = films
     assert first.made_by == second.made_by == f"GPU ({found.name})"
+    assert words[0] == 0 and (words[1] > 0) == (name != "torus_room" or "max_bounces" in settings)
     for name in ("combined", "half", "depth"):
         np.testing.assert_array_equal(first.sums[name], second.sums[name])
     np.testing.assert_array_equal(first.count, second.count)

@@ -33,8 +33,8 @@ class Device:
             self._pool.shutdown()
             raise
         self.name = str(facts["GL_RENDERER"])
-        # Software renderers read textures through the same code as images, without levels of detail.
-        self.images = any(name in self.name.lower() for name in SOFTWARE)
+        # Not a graphics card. See ``GpuScene`` for what is different then.
+        self.software = any(name in self.name.lower() for name in SOFTWARE)
         self.largest_buffer = int(facts["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"])  # bytes
         self.largest_texture = int(facts["GL_MAX_TEXTURE_SIZE"])  # texels per side
 

@@ -35,6 +35,11 @@ class Array:
         return self.packed and self.count == 3 and self.inner == "float"
 
     @property
+    def number(self) -> str:
+        """Type of its numbers, if it has arrays in it, too."""
+        return self.inner if isinstance(self.inner, str) else self.inner.number
+
+    @property
     def element(self) -> str:
         """Type of an element."""
         return self.inner

@@ -19,16 +19,17 @@ from ..errors import RenderError
 from ..film import Film
 from ..motion import at, changes_shape, part_of, time_of
 from ..scene import Scene
+from . import thread_arrays
 from .bvh import Hierarchy
 from .device import DeviceError, device, megabytes
-from .packed_scene import TEXTURE_BITS, GpuScene, film_places
+from .packed_scene import GROUP, TEXTURE_BITS, GpuScene, film_places
 
 POLL_SECONDS = 0.05
-GROUP = 64  # threads of a work group, as film.glsl has it
 SLAB = 1 << 18  # pixels whose sums are on the GPU at a time
 SLAB_OF_CARD, SLAB_BYTES = 1 << 20, 1 << 28  # likewise, and the most bytes of them, on a graphics card
 TARGET_SECONDS = 0.06  # of a dispatch
 FIRST_WORK = 512  # samples of the first dispatch, whose speed is unknown
+ARRAYS_BYTES = 1 << 29  # most bytes of the arrays of all threads of a dispatch
 MOST_SAMPLES = 1 << 10  # of a thread in a dispatch
 # Samples of a thread in a dispatch of a graphics card, as long as there are more pixels: many short threads end at
 # about the same time, but a thread with few samples begins its next one seldom while others of its group continue.
@@ -54,9 +55,10 @@ class GpuRenderer:
         self._film, self._warnings = film, scene.warnings
         self._device = device()
         self._made: list = []
+        self._arrays: list = []  # the buffer of ``thread_arrays``, if there is one
         self._places, self._size = film_places(film)
         bytes_, slab = self._device.largest_buffer, SLAB
-        if not self._device.images:
+        if not self._device.software:
             bytes_, slab = min(bytes_, SLAB_BYTES), SLAB_OF_CARD
         self._slab = min(slab, len(film.active), max(bytes_ // (4 * self._size), 1))
         self._work, self._longest = FIRST_WORK, MOST_SAMPLES
@@ -118,9 +120,22 @@ class GpuRenderer:
             self._program = self._device.program(context, source)
             check()
         self._load(context, packed)
+        self._reserve_arrays(context)
         self._sums = self._buffer(context, np.zeros(self._slab * self._size, np.float32))
         self._pixels = self._buffer(context, np.zeros(1 + self._slab, np.uint32))
         self._lengths = self._buffer(context, np.zeros((max(len(packed.lamps), 1), 2), np.float32))
+
+    def _reserve_arrays(self, context) -> None:
+        """Memory for the arrays of the threads of a dispatch. It limits how many threads there are."""
+        for made in self._arrays:
+            made.release()
+        self._arrays = []
+        group, each = self._packed.group, 4 * self._packed.tables.arrays.words
+        self._threads = -(-self._slab // group) * group
+        if each:
+            self._threads = min(self._threads, max(ARRAYS_BYTES // (each * group), 1) * group)
+            size = each * self._threads
+            self._arrays = [self._device.allocate(context, size, context.buffer, reserve=size)]
 
     def _packed_at(self, index: int, hierarchy: Hierarchy | None = None) -> GpuScene:
         """The scene at the time of a sample: one time for all pixels (Haeberli and Akeley 1990, "The accumulation
@@ -132,7 +147,7 @@ class GpuRenderer:
             if index:
                 scene = dataclasses.replace(scene, warnings=[])
         device, moves = self._device, self._shutter is not None
-        return GpuScene(scene, self._film, device.images, device.largest_buffer, hierarchy, moves)
+        return GpuScene(scene, self._film, device.software, device.largest_buffer, hierarchy, moves)
 
     def _move(self, context, index: int) -> None:
         """Put everything where it is at the time of a sample."""
@@ -143,13 +158,16 @@ class GpuRenderer:
         moves = [instance.motion is not None for instance in scene.instances]
         moves += [mesh.motion is not None for mesh in scene.meshes]
         packed = self._packed_at(index, None if any(moves) else hierarchy)
-        if self._packed.shares_program_with(packed):
+        shared = self._packed.shares_program_with(packed)
+        if shared:
             packed.tables.use_program_of(self._packed.tables)
         else:
             self._program = self._device.program(context, packed.source())
         for made in self._loaded:
             made.release()
         self._load(context, packed)
+        if not shared:
+            self._reserve_arrays(context)
         self._bind()
 
     def _load(self, context, packed: GpuScene) -> None:
@@ -198,8 +216,11 @@ class GpuRenderer:
         self._uniforms.bind_to_uniform_block(0)
         for binding, buffer in enumerate((self._words, self._sums, self._pixels, self._lengths, self._second)):
             buffer.bind_to_storage_buffer(binding)
+        for arrays in self._arrays:
+            for binding in thread_arrays.KINDS.values():
+                arrays.bind_to_storage_buffer(binding)
         for unit, texture in enumerate(self._textures):
-            if self._device.images:
+            if self._device.software:
                 texture.bind_to_image(unit, read=True, write=False)
             else:
                 texture.use(unit)
@@ -226,7 +247,7 @@ class GpuRenderer:
         whether all threads have finished. Unfinished threads leave no results."""
         started = time.perf_counter()
         self._program["work"] = place, count, first, end
-        self._program.run(-(-count // GROUP))
+        self._program.run(-(-count // self._packed.group))
         context.finish()
         finished = not np.frombuffer(self._pixels.read(4), np.uint32)[0]
         if not finished:
@@ -285,8 +306,9 @@ class GpuRenderer:
                     self._call(self._move, begin)
                 place = 0
                 while place < len(pixels) and not stopped:
-                    each = self._samples_of_thread(len(pixels) - place, many)
-                    threads = min(max(self._work // each // GROUP, 1) * GROUP, len(pixels) - place)
+                    most = min(len(pixels) - place, self._threads)
+                    each = self._samples_of_thread(most, many)
+                    threads = min(max(self._work // each // GROUP, 1) * GROUP, most)
                     sample = begin
                     while sample < begin + many and not stopped:
                         end = min(sample + min(max(self._work // threads, 1), self._longest), begin + many)
@@ -309,7 +331,7 @@ class GpuRenderer:
 
     def _samples_of_thread(self, pixels: int, many: int) -> int:
         """How many of ``many`` samples a thread takes in a dispatch, if so many pixels are left."""
-        if self._device.images:  # software runs few threads at a time
+        if self._device.software:  # software runs few threads at a time
             return many
         return min(max(self._work // pixels, LEAST_SAMPLES), many)
 
@@ -329,9 +351,9 @@ class GpuRenderer:
 
         def release(context) -> np.ndarray:
             lengths = np.frombuffer(self._lengths.read(), np.float32).reshape(-1, 2) if self.ready else np.zeros((0, 2))
-            for made in (*self._made, *self._loaded):
+            for made in (*self._made, *self._loaded, *self._arrays):
                 made.release()
-            self._made, self._loaded = [], []
+            self._made, self._loaded, self._arrays = [], [], []
             return lengths
 
         released = self._device.submit(release)

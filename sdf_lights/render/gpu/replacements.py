@@ -34,7 +34,7 @@ from ..kernels.workspace import cut_of, light_cut_of, spans_of
 from . import catchers, closed_lamp_parts, images, lamp_kernels, still
 from . import crossings as field_crossings
 from .layout import Array
-from .translate import BOOL, CONSTANT, FLOAT, INT, UINT, ULONG, VECTOR, Native, Ref, Tuple, Value, known
+from .translate import BOOL, CONSTANT, FLOAT, INT, UINT, ULONG, VECTOR, WORKSPACE, Native, Ref, Tuple, Value, known
 
 # Constants that stand for the rounding of float64: (module that uses it, name) -> its value in float32.
 ROUNDING = {
@@ -67,8 +67,9 @@ SETS = {(output_data, "OCCLUSION_SETS"): 1 << 30}
 
 
 def _spans(function, arguments):
+    flat = function.translator.tables.table("spans", None, known(WORKSPACE))
     rows = Array(Array("float", 2, packed=True), packed=True)
-    return Value(Ref(rows, "spans_rows[{}]"), "0")
+    return Value(Ref(rows, flat.type.lvalue), flat.text)
 
 
 def _ray(any_hit: str) -> Native:
@@ -117,7 +118,7 @@ def _field_value(function, arguments):
 
 
 def _stack(function, arguments):
-    return function.translator.local_array(int(arguments[0].constant))
+    return function.array(int(arguments[0].constant))
 
 
 def _note(function, arguments):

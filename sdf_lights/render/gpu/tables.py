@@ -15,6 +15,7 @@ from collections.abc import Callable
 import numpy as np
 
 from .layout import Array, Record, layout_of, size_of, words_of
+from .thread_arrays import ThreadArrays
 from .translate.values import BLOCK, CONSTANT, SECONDARY, Ref, Value, known, safe_name
 
 MOST_VALUES = 32  # maximum number of distinct values of a field that are recorded
@@ -27,6 +28,7 @@ LARGE = frozenset({"lamp_boxes", "lamp_parts"})  # tables that all threads read 
 PLACED = "lamp_parameters"  # the same, with their position as a constant of the program
 CLEARED = frozenset({"path", "sample"})  # tables with several rows of which only the first is cleared
 BUFFERED = frozenset({"lamp_fields"})  # tables that hand-written shaders expect in the buffer
+VARIABLES = frozenset({"registers"})  # tables of the workspace that other code names as variables
 
 
 class Tables:
@@ -37,6 +39,7 @@ class Tables:
     that do not fit into the first are in a second one. ``code`` has the kernels by index in tables that hold addresses
     on the CPU. ``changing``: scalars that change along a path. ``written``: tables that kernels write into, as arrays
     of floats in GLSL, with ``{}`` for the index. ``unknown``: tables of whose values a program may know nothing.
+    ``arrays``: where the arrays of a thread are.
     """
 
     def __init__(
@@ -50,10 +53,12 @@ class Tables:
         changing: dict[str, Value] | None = None,
         written: dict[str, str] | None = None,
         unknown: frozenset[str] = frozenset(),
+        arrays: ThreadArrays | None = None,
     ):
         self._tables, self._scalars, self._settled, self._workspace = tables, scalars, settled, workspace
         self._code, self._changing, self._written = code or {}, changing or {}, written or {}
         self._unknown = unknown
+        self.arrays = arrays or ThreadArrays(buffered=False)
         self.used_scalars: dict[str, str] = {}
         self._near: dict[str, int] = {}  # first word of each table that is in the uniform block
         used = 0
@@ -114,6 +119,9 @@ class Tables:
             name = base.constant.prefix + name
             if count == 1 and isinstance(inner, Record):
                 return Value(Ref(Array(inner, 1, packed=True), name + "_row"))
+            if self._in_buffer(name, inner, count):
+                lvalue, first = self.arrays.place(name, inner, count)
+                return Value(Ref(Array(inner, count, packed=True), lvalue), first, count=str(count))
             return Value(Ref(Array(inner, count, packed=True), name + "_rows[{}]"), "0", count=str(count))
         dtype = self._tables[name].dtype if name in self._tables else np.dtype(dtype)
         if name in self._single:
@@ -123,6 +131,17 @@ class Tables:
         if not len(self._tables[name]):
             rows = "0"
         return Value(Ref(Array(layout_of(dtype, name)), reader=self.reader(name)), f"scene.{name}_start", count=rows)
+
+    def _in_buffer(self, name: str, inner, count: int) -> bool:
+        """Whether a table of the workspace, of ``inner``, is in the buffer of ``arrays``."""
+        return isinstance(inner, str) and name not in VARIABLES and self.arrays.in_buffer(inner, count)
+
+    def field(self, lvalue: str, inner: Array) -> Value:
+        """An array in the only row of a table of the workspace: its GLSL in the row, and its layout."""
+        if self.arrays.in_buffer(inner.number, inner.size):
+            text, first = self.arrays.place(lvalue, inner.number, inner.size)
+            return Value(Ref(inner, text), first)
+        return Value(Ref(inner, lvalue + "[{}]"), "0")
 
     def constant(self, array: np.ndarray) -> Value | None:
         """The table that is this array (n,), in a module of kernels; None if there is none."""
@@ -173,7 +192,7 @@ class Tables:
 
     def use_program_of(self, other: Tables) -> None:
         """Use the program of other tables, which ``shares_program_with``."""
-        self.used_scalars = other.used_scalars
+        self.used_scalars, self.arrays = other.used_scalars, other.arrays
 
     # For the GPU
 
@@ -183,12 +202,15 @@ class Tables:
         lines, cleared = [], []
         for name, (dtype, count) in self._workspace.items():
             inner = layout_of(dtype, name, packed=True)
+            if self._in_buffer(name, inner, count):
+                continue
             kind = inner
+            single = count == 1 and isinstance(inner, Record)
             if isinstance(inner, Record):
                 kind = "Record_" + name
-                lines.append(f"struct {kind} {{ {' '.join(_member(*item) for item in inner.fields.items())} }};")
+                members = [_member(*item) for item in inner.fields.items() if not (single and self._apart(item[1][1]))]
+                lines.append(f"struct {kind} {{ {' '.join(members)} }};")
             for prefix in ("", "secondary_") if secondary else ("",):
-                single = count == 1 and isinstance(inner, Record)
                 lines.append(f"{kind} {prefix}{name}{'_row' if single else f'_rows[{count}]'};")
                 if single or name in CLEARED:
                     cleared += [
@@ -198,6 +220,10 @@ class Tables:
                     ]
         lines += ["void clear_workspace()", "{", *cleared, "}"]
         return "\n".join(lines) + "\n"
+
+    def _apart(self, inner) -> bool:
+        """Whether a field of a table's only row is in the buffer of ``arrays``."""
+        return isinstance(inner, Array) and not inner.vector and self.arrays.in_buffer(inner.number, inner.size)
 
     def reader(self, name: str) -> str:
         """The prefix of the functions that read this table."""
@@ -272,7 +298,4 @@ def _member(name: str, field: tuple) -> str:
         return f"{inner} {name};"
     if inner.vector:
         return f"vec3 {name};"
-    kind = inner
-    while not isinstance(kind, str):
-        kind = kind.inner
-    return f"{kind} {name}[{inner.size}];"
+    return f"{inner.number} {name}[{inner.size}];"

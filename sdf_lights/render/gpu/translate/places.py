@@ -34,6 +34,8 @@ class Places(Names):
                 return Value(inner, lvalue.replace("{}", base.text))
             if inner.vector:
                 return Value(Ref(inner, lvalue), base.text)
+            if "{}" not in lvalue:
+                return self.translator.tables.field(lvalue, inner)
             # For a table of several rows, the row is part of the address, which cannot be passed to other functions.
             return Value(Ref(inner, lvalue.replace("{}", base.text) + "[{}]"), "0")
         address = _sum(base.text, offset)

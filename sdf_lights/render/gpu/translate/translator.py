@@ -71,11 +71,15 @@ class Translator:
             self._known[key] = name, result
         return self._known[key]
 
-    def local_array(self, count: int) -> Value:
-        """An array of floats that a function uses; in GLSL only global ones are passed without a copy."""
-        name = f"stack{len(self.globals)}"
-        self.globals.append(f"float {name}[{count}];")
-        return Value(Ref(Array(FLOAT, packed=True), name + "[{}]"), "0", count=str(count))
+    def local_array(self, name: str, count: int) -> Value:
+        """An array of floats that a function uses, with a name of its own in the program; in GLSL only global ones are
+        passed without a copy."""
+        lvalue, first = f"{name}[{{}}]", "0"
+        if self.tables.arrays.in_buffer(FLOAT, count):
+            lvalue, first = self.tables.arrays.place(name, FLOAT, count)
+        elif (declared := f"float {name}[{count}];") not in self.globals:
+            self.globals.append(declared)
+        return Value(Ref(Array(FLOAT, packed=True), lvalue), first, count=str(count))
 
 
 def _signature(argument: Value):
@@ -108,6 +112,7 @@ class _Function(Statements):
         for _ in range(8):  # until the types of variables with several assignments agree
             before, result = dict(self.types), self.result
             self.lines, self.locals, self.used, self._count, self.returned = [], {}, {}, 0, set()
+            self._arrays = 0
             parameters = self._bind(tree)
             self._block(tree.body)
             if self.types == before and self.result == result:
@@ -119,6 +124,11 @@ class _Function(Statements):
         if len(self.returned) == 1 and None not in self.returned and self._is_pure():
             result = known(next(iter(self.returned)))
         return "\n".join([head, *declared, *self.lines, "}"]), result
+
+    def array(self, count: int) -> Value:
+        """An array of floats of its own: the same in each of these translations."""
+        self._arrays += 1
+        return self.translator.local_array(f"{self.name}_array{self._arrays}", count)
 
     def _is_pure(self) -> bool:
         """Whether the function sets only its own variables and calls nothing."""
