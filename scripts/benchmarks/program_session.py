@@ -25,13 +25,13 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-GROUP = 64  # threads of a work group, as film.glsl has it
 SAMPLES = 32, 8  # of a thread in a dispatch
 LONGEST = 4.0  # seconds of a dispatch; a slower device takes fewer samples
 TEXTURE_BITS = 14
 LOCK = "busy"
 UNCACHED = {"__GL_SHADER_DISK_CACHE": "0", "MESA_SHADER_CACHE_DISABLE": "true"}  # drivers keep programs on disk
-OWN_BUFFER = 6  # a free binding
+OWN_BUFFER = 5  # a free binding
+ARRAYS = 6, 7  # bindings of the arrays of threads, as in thread_arrays.py
 
 # --- forms of a program -----------------------------------------------------------------------------------------------
 
@@ -58,34 +58,20 @@ def calls(source: str) -> str:
     return source
 
 
-def tables_in_buffer(source: str) -> str:
-    """With small tables in a buffer, not in the uniform block."""
-    read = "{ return scene.near[place >> 2][place & 3]; }"
-    assert source.count(read) == 1
-    buffer = f"layout(std430, binding = {OWN_BUFFER}) readonly buffer Near {{ uint near_words[]; }};\n"
-    return source.replace("uint near_uint_at", buffer + "uint near_uint_at", 1).replace(
-        read, "{ return near_words[place]; }"
-    )
-
-
-def intervals_in_buffer(source: str) -> str:
-    """With a thread's arrays of intervals in a buffer: compilers look into arrays of a thread for what they can keep in
-    registers."""
-    used = 0
-    for name, count in re.findall(r"^float (\w*spans_rows|stack\d+)\[(\d+)\];$", source, re.MULTILINE):
-        source = source.replace(f"float {name}[{count}];\n", "", 1)
-        parts, after = [], 0
-        for found in re.finditer(rf"\b{name}\[", source):
-            end = _bracket(source, found.end())
-            place = f"({used} + {source[found.end() : end]}) * int(gl_NumWorkGroups.x * {GROUP}u) + int(gl_GlobalInvocationID.x)"
-            parts += [source[after : found.start()], f"intervals[{place}]"]
-            after = end + 1
-        source = "".join([*parts, source[after:]])
-        used += int(count)
+def walks_in_buffer(source: str) -> str:
+    """With the nodes that wait while a ray goes through the hierarchy in a buffer, as in ``thread_arrays.py``."""
+    declared, parts, after = "int waiting[STACK];", [], 0
+    assert source.count(declared) == 1
+    head, source = source.split(declared)
+    for found in re.finditer(r"\bwaiting\[", source):
+        end = _bracket(source, found.end())
+        parts += [source[after : found.start()], f"walks[WALK({source[found.end() : end]})]"]
+        after = end + 1
     buffer = (
-        f"#define WORDS_IN_BUFFER {used}\nlayout(std430, binding = {OWN_BUFFER}) buffer Own {{ float intervals[]; }};\n"
+        f"layout(std430, binding = {OWN_BUFFER}) buffer Walks {{ int walks[]; }};\n"
+        "#define WALK(place) ((place) * int(gl_NumWorkGroups.x * uint(GROUP)) + int(gl_GlobalInvocationID.x))\n"
     )
-    return source.replace("layout(std140", buffer + "layout(std140", 1)
+    return "".join([head, buffer, *parts, source[after:]])
 
 
 def _bracket(source: str, start: int) -> int:
@@ -98,27 +84,8 @@ def _bracket(source: str, start: int) -> int:
     raise ValueError("a bracket is not closed")
 
 
-def without_inlining(source: str) -> str:
-    """With NVIDIA's pragma against inlining: the picture was wrong."""
-    return source.replace(
-        "#pragma optionNV(unroll none)", "#pragma optionNV(unroll none)\n#pragma optionNV(inline none)"
-    )
-
-
-def _group(threads: int):
-    return lambda source: source.replace(f"local_size_x = {GROUP}", f"local_size_x = {threads}")
-
-
 AS_IT_IS = "as it is"
-FORMS = {
-    AS_IT_IS: as_it_is,
-    "calls": calls,
-    "tables in a buffer": tables_in_buffer,
-    "intervals in a buffer": intervals_in_buffer,
-    "without inlining": without_inlining,
-    "groups of 32": _group(32),
-    "groups of 128": _group(128),
-}
+FORMS = {AS_IT_IS: as_it_is, "calls": calls, "walks in a buffer": walks_in_buffer}
 
 # --- one program ------------------------------------------------------------------------------------------------------
 
@@ -130,6 +97,10 @@ def _context():
         return moderngl.create_context(standalone=True, require=430, backend="egl")
     except Exception:  # each platform's driver has errors of its own
         return moderngl.create_context(standalone=True, require=430)
+
+
+def _defined(source: str, name: str) -> int:
+    return int(re.findall(rf"^#define {name} (\d+)$", source, re.MULTILINE)[0])
 
 
 @contextlib.contextmanager
@@ -152,7 +123,7 @@ class Run:
 
     def __init__(self, context, program, data, source: str):
         self._context, self.program = context, program
-        self._group = int(re.findall(r"local_size_x = (\d+)", source)[0])
+        self._group = _defined(source, "GROUP")
         self._images = "#define IMAGES\n" in source  # how triangles are read: see packed_scene.py
         self.size, self.count = int(data["size"]), len(data["pixels"])
         uniforms = data["uniforms"]
@@ -160,12 +131,12 @@ class Run:
         self._sums = self._buffer(np.zeros(self.size * self.count, np.float32))
         self._pixels = self._buffer(np.concatenate([[0], data["pixels"]]).astype(np.uint32))
         lengths = self._buffer(np.zeros(2 * max(int(data["lamps"]), 1), np.float32))
-        own = uniforms[-int(data["near"]) :]
-        if "#define WORDS_IN_BUFFER" in source:
-            words = int(re.findall(r"WORDS_IN_BUFFER (\d+)", source)[0])
-            own = np.zeros(max(words, 1) * -(-self.count // GROUP) * GROUP, np.float32)
+        threads = -(-self.count // self._group) * self._group
+        arrays = context.buffer(reserve=4 * max(int(data["thread_words"]), 1) * threads)
+        walks = context.buffer(reserve=4 * _defined(source, "STACK") * threads)
         words, second = self._buffer(data["words"]), self._buffer(data["second"])
-        self._buffers = {0: words, 1: self._sums, 2: self._pixels, 3: lengths, 4: second, OWN_BUFFER: self._buffer(own)}
+        self._buffers = {0: words, 1: self._sums, 2: self._pixels, 3: lengths, 4: second, OWN_BUFFER: walks}
+        self._buffers |= dict.fromkeys(ARRAYS, arrays)
         self._textures = [self._texture(data[name]) for name in ("nodes", "items")]
         for name in ("film_place", "film_seed", "film_offset"):
             if name in program:
@@ -199,6 +170,20 @@ class Run:
         self._context.finish()
         return time.perf_counter() - started
 
+    def transfers(self) -> tuple[float, float]:
+        """Seconds to clear the sums of all pixels, and to read them after a short dispatch, as renders do after each
+        batch of samples; the second time, because drivers move buffers that are read."""
+        for _ in range(2):
+            started = time.perf_counter()
+            self._sums.clear()
+            self._context.finish()
+            cleared = time.perf_counter() - started
+            self.dispatch(self.count, 1)
+            started = time.perf_counter()
+            self._sums.read()
+            read = time.perf_counter() - started
+        return cleared, read
+
     @property
     def finished(self) -> bool:
         return not np.frombuffer(self._pixels.read(4), np.uint32)[0]
@@ -224,7 +209,10 @@ def run_one(folder: pathlib.Path, name: str, form: str, dispatches: bool = True)
     run = Run(context, program, data, source)
     row["compile_seconds"] = seconds + run.dispatch(1, 1)  # some drivers compile only now
     if not dispatches:
+        program.release()
+        context.release()  # a driver may write what it keeps only now
         return row
+    row["thread_words"] = int(data["thread_words"])
     with turn(folder):
         one = run.dispatch(run.count, 1)
         most = max(int(LONGEST / one), 1)
@@ -234,6 +222,7 @@ def run_one(folder: pathlib.Path, name: str, form: str, dispatches: bool = True)
             row[f"samples_per_second_{samples}"] = run.count * samples / seconds
         picture = run.picture()
         row |= dict(mean=float(picture.mean()), finished=run.finished)
+        row["clear_seconds"], row["read_seconds"] = run.transfers()
     np.save(folder / f"{name} {form}.npy", picture)
     return row
 
@@ -289,7 +278,9 @@ def main() -> None:
     options = parser.parse_args()
     if options.one:
         print(json.dumps(run_one(options.folder, *options.one, not options.compile)), flush=True)
-        os._exit(0)  # destructors of some drivers take long
+        if not options.compile:
+            os._exit(0)  # destructors of some drivers take long
+        return
     for row in run_all(options.folder, options.forms.split(","), options.processes):
         print(json.dumps(row), flush=True)
 

@@ -74,9 +74,7 @@ def _kept(folder: pathlib.Path, name: str, known: dict[str, str]) -> Iterator[No
             words, second, uniforms = packed.tables.pack(packed.scalars)
             np.savez_compressed(
                 folder / f"{name}.npz",
-                **dict(
-                    words=words, second=second, uniforms=uniforms, near=host.program("render.gpu.tables").NEAR_WORDS
-                ),
+                **dict(words=words, second=second, uniforms=uniforms, thread_words=packed.tables.arrays.words),
                 **dict(nodes=packed.hierarchy.nodes, items=packed.hierarchy.items, lamps=len(packed.lamps)),
                 **dict(film_seed=self._seed, film_offset=self._offset, size=self._size),
                 film_place=np.array([*self._film.window[:2], self._film.width]),
@@ -92,12 +90,12 @@ def _kept(folder: pathlib.Path, name: str, known: dict[str, str]) -> Iterator[No
 
 
 def keep_programs(folder: pathlib.Path, cases: Iterable[Case], size: int, for_card: bool = False) -> int:
-    """Put the programs of cases into a folder, as this machine's device reads textures, or as a card does. Returns
+    """Put the programs of cases into a folder: those of this machine's device, or those of a graphics card. Returns
     their number."""
     known: dict[str, str] = {}
     folder.mkdir(parents=True, exist_ok=True)
     device = host.program("render.gpu.device").device()
-    usual, device.images = device.images, device.images and not for_card
+    usual, device.software = device.software, device.software and not for_card
     try:
         for scene, bounces, sampling in cases:
             if scene == PLAIN:
@@ -111,7 +109,7 @@ def keep_programs(folder: pathlib.Path, cases: Iterable[Case], size: int, for_ca
             with _kept(folder, f"{scene}_{sampling.value.lower()}_{bounces}", known):
                 pictures.render()
     finally:
-        device.images = usual
+        device.software = usual
     return len(known)
 
 
