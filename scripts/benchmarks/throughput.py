@@ -20,7 +20,7 @@ import bpy
 
 from sdf_lights.render.settings import LampSampling
 
-from . import lamp_scenes, pictures, programs, simple_scenes, some_of, startup, turns
+from . import gpu_parts, lamp_scenes, pictures, programs, simple_scenes, some_of, startup, turns
 from .progress import Progress
 from .resume import Parts
 
@@ -93,7 +93,8 @@ def measure(bounces: int, options) -> list[dict]:
         _prepare(engine, scene, samples, bounces, options.device)
         return pictures.render()
 
-    return [
+    found = turns.rates(engines, few, many, repeats, render, _seconds(options))
+    rows = [
         dict(
             engine=name,
             bounces=bounces,
@@ -106,8 +107,11 @@ def measure(bounces: int, options) -> list[dict]:
             mean=rate.mean,
             first_render_seconds=rate.first,
         )
-        for name, rate in turns.rates(engines, few, many, repeats, render, _seconds(options)).items()
+        for name, rate in found.items()
     ]
+    if options.device == "GPU":
+        rows[0] |= gpu_parts.seconds(lambda: render(engines[0], few + found[engines[0]].samples))
+    return rows
 
 
 def rates(options, parts: Parts, progress: Progress) -> tuple[dict, list[dict]]:
@@ -162,6 +166,7 @@ def on_lamp_scene(name: str, options) -> dict:
         mean_gpu=found[engines[0]].mean,
         mean_cpu=found[ON_CPU].mean,
         gpu_first_render_seconds=found[engines[0]].first,
+        **gpu_parts.seconds(lambda: render(engines[0], few + found[engines[0]].samples)),
     )
 
 
