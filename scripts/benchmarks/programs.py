@@ -55,7 +55,7 @@ def arguments(parser) -> None:
     processes_argument(parser)
     parser.add_argument("--keep-programs", type=pathlib.Path, metavar="FOLDER", help="with their data, there")
     parser.add_argument("--only-keep", action="store_true", help="compile nothing")
-    parser.add_argument("--for-card", action="store_true", help="programs as a graphics card gets them")
+    parser.add_argument("--for-card", action="store_true", help="programs as an NVIDIA card gets them")
 
 
 @contextlib.contextmanager
@@ -90,12 +90,15 @@ def _kept(folder: pathlib.Path, name: str, known: dict[str, str]) -> Iterator[No
 
 
 def keep_programs(folder: pathlib.Path, cases: Iterable[Case], size: int, for_card: bool = False) -> int:
-    """Put the programs of cases into a folder: those of this machine's device, or those of a graphics card. Returns
+    """Put the programs of cases into a folder: those of this machine's device, or those of an NVIDIA card. Returns
     their number."""
     known: dict[str, str] = {}
     folder.mkdir(parents=True, exist_ok=True)
-    device = host.program("render.gpu.device").device()
-    usual, device.software = device.software, device.software and not for_card
+    devices = host.program("render.gpu.device")
+    device = devices.device()
+    usual = device.software, device.group
+    if for_card:
+        device.software, device.group = False, devices.GROUP_OF_NVIDIA
     try:
         for scene, bounces, sampling in cases:
             if scene == PLAIN:
@@ -109,7 +112,7 @@ def keep_programs(folder: pathlib.Path, cases: Iterable[Case], size: int, for_ca
             with _kept(folder, f"{scene}_{sampling.value.lower()}_{bounces}", known):
                 pictures.render()
     finally:
-        device.software = usual
+        device.software, device.group = usual
     return len(known)
 
 

@@ -13,7 +13,7 @@ from sdf_lights.emitter.building.build import build_lamp
 from sdf_lights.render import session
 from sdf_lights.render.film import Film
 from sdf_lights.render.gpu import lamp_kernels, packed_scene, renderer
-from sdf_lights.render.gpu.device import DeviceError
+from sdf_lights.render.gpu.device import GROUP, GROUP_OF_NVIDIA, DeviceError
 from sdf_lights.render.scene import Lamp, Scene
 from sdf_lights.render.settings import Device, LampSampling
 from sdf_lights.sdf.expression import Expression
@@ -59,8 +59,9 @@ def test_a_graphics_card_gives_the_same_sums(monkeypatch, name, settings, slab):
         words.append(self._packed.tables.arrays.words)
 
     monkeypatch.setattr(renderer.GpuRenderer, "_reserve_arrays", noted)
-    for software in (True, False):
+    for software, group in (True, GROUP), (False, GROUP_OF_NVIDIA):
         monkeypatch.setattr(found, "software", software)
+        monkeypatch.setattr(found, "group", group)
         films.append(render(Device.GPU, name, **settings)[1])
         if slab:
             monkeypatch.setattr(renderer, "SLAB_OF_CARD", slab)

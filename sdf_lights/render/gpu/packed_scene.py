@@ -39,7 +39,7 @@ from . import catchers, closed_lamp_parts, lamp_kernels, replacements, special
 from . import crossings as field_crossings
 from . import images as gpu_images
 from .bvh import KINDS, MOST_IN_LEAF, Hierarchy
-from .device import DeviceError
+from .device import GROUP, DeviceError
 from .graphs import GraphSource
 from .layout import Record
 from .tables import NEAR, Tables
@@ -54,8 +54,6 @@ PRINCIPLED_CLOSURES = 8
 # Maximum number of bounces at which lamps are sampled by cuts: with more, most noise has other sources, and threads
 # wait for cuts at every bounce.
 CUT_BOUNCES = 0
-# Threads of a work group. Groups of 32 were 7 % faster than those of 64 on an NVIDIA H100, and of 128 a third slower.
-GROUP, GROUP_OF_CARD = 64, 32
 TEXTURE_BITS = 14  # width of a texture row: the minimum that OpenGL 4.3 guarantees
 
 # Scalars of the block that are constants of a program.
@@ -119,7 +117,8 @@ class GpuScene:
     """Tables and source for one scene, which stands still, and one film. ``software``: not for a graphics card. It
     reads textures faster as images, because there is no code for levels of detail then, and has the arrays of a thread
     as variables (see ``thread_arrays``); ``room``: bytes of a buffer; ``hierarchy``: that of the same triangles, curves
-    and spheres, if there is one; ``moves``: whether the same scene at other times shares the program."""
+    and spheres, if there is one; ``moves``: whether the same scene at other times shares the program; ``group``:
+    threads of a work group."""
 
     def __init__(
         self,
@@ -129,11 +128,12 @@ class GpuScene:
         room: float = np.inf,
         hierarchy: Hierarchy | None = None,
         moves: bool = False,
+        group: int = GROUP,
     ):
         if scene.settings.lamp_sampling is LampSampling.EXTERNAL:
             raise DeviceError("it has no such sampling of lamps")
         self._software = software
-        self.group = GROUP if software else GROUP_OF_CARD
+        self.group = group
         self.formulas = lamp_kernels.Formulas()
         materials, graphs = shading.pack_materials(scene)
         self.graphs, self.lobes = GraphSource(graphs.structures), materials["lobes"]

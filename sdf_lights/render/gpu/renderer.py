@@ -21,8 +21,8 @@ from ..motion import at, changes_shape, part_of, time_of
 from ..scene import Scene
 from . import thread_arrays
 from .bvh import Hierarchy
-from .device import DeviceError, device, megabytes
-from .packed_scene import GROUP, TEXTURE_BITS, GpuScene, film_places
+from .device import GROUP, DeviceError, device, megabytes
+from .packed_scene import TEXTURE_BITS, GpuScene, film_places
 
 POLL_SECONDS = 0.05
 SLAB = 1 << 18  # pixels whose sums are on the GPU at a time
@@ -147,7 +147,7 @@ class GpuRenderer:
             if index:
                 scene = dataclasses.replace(scene, warnings=[])
         device, moves = self._device, self._shutter is not None
-        return GpuScene(scene, self._film, device.software, device.largest_buffer, hierarchy, moves)
+        return GpuScene(scene, self._film, device.software, device.largest_buffer, hierarchy, moves, device.group)
 
     def _move(self, context, index: int) -> None:
         """Put everything where it is at the time of a sample."""
