@@ -5,11 +5,11 @@
 // thread whose path has ended begins its next sample while others continue (Novák et al. 2010, "Path regeneration for
 // interactive path tracing").
 //
-// Before this file come the workspace, the kernels, `sums` of this thread's pixel, and `#define`s of GROUP, of PIXEL_SIZE and of
-// FILM_name, the index of each sum in a pixel, if a pass needs it; of EACH_SUM(what), which repeats `what` for all
-// indices; of GOES_ON; of PIXEL_SEED, the sampler's; and of PATH and SAMPLE, the first rows of the workspace's tables.
-// OUTPUTS: the film has passes of kernels/outputs/. CATCHERS: a path that has hit a shadow catcher continues once more from there, past all
-// other objects (see catchers.py).
+// Before this file come the workspace, the kernels, `sums` of this thread's pixel, and `#define`s of GROUP, the threads
+// of a work group; of PIXEL_SIZE and of FILM_name, the index of each sum in a pixel, if a pass needs it; of
+// EACH_SUM(what), which repeats `what` for all indices; of GOES_ON; of PIXEL_SEED, the sampler's; and of PATH and
+// SAMPLE, the first rows of the workspace's tables. OUTPUTS: the film has passes of kernels/outputs/. CATCHERS: a path
+// that has hit a shadow catcher continues once more from there, past all other objects (see catchers.py).
 
 layout(local_size_x = GROUP) in;
 
