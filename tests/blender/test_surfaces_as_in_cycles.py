@@ -5,8 +5,11 @@
 import math
 
 import bpy
+import measure_sheen
 import numpy as np
 import pytest
+
+from sdf_lights.render.tables import sheen
 
 pytest.importorskip("_cycles")
 
@@ -34,6 +37,10 @@ def test_what_layers_leave_to_a_floor_seen_at_a_flat_angle(file, render, add, qu
     ours, theirs = (picture[:7, :, 0].mean(1) for picture in render(64))
     assert theirs.min() > 0.02
     assert ours == pytest.approx(theirs, rel=0.004)
+
+
+def test_the_table_of_sheen_is_that_of_this_cycles(registered):
+    np.testing.assert_array_equal(measure_sheen.measure(), np.round(sheen.SCALE * sheen.load()))
 
 
 @pytest.mark.parametrize("backfacing", [False, True])
