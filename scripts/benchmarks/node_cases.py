@@ -33,7 +33,6 @@ EXPLAINED = {
         "light rays do not see all directions that fibers draw, so the light of a wide sun depends on how both are weighted: "
         "where drawn rays do not find its sun, Cycles' own pictures lose 3 to 20 %",
     ),
-    "BsdfSheen BSDF": "closed forms stand for the table of Cycles' microfibers: they are 1 to 7 % of its albedo off",
     "Tangent without UVs": "tangents of a sphere's coordinates jump at its seam and turn fast at its poles; the 99th percentile is "
     "1.1 % in Blender 5.2, where moved rays change our own picture as much, and 1.3 % in 5.0",
     "Group with an unlinked tangent": "a tangent without a length gives no finite numbers in Cycles since Blender 5.0, so it is black",

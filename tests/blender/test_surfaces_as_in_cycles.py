@@ -43,6 +43,33 @@ def test_the_table_of_sheen_is_that_of_this_cycles(registered):
     np.testing.assert_array_equal(measure_sheen.measure(), np.round(sheen.SCALE * sheen.load()))
 
 
+@pytest.mark.parametrize("light", ["SUN", "POINT"])
+@pytest.mark.parametrize("kind, roughness", [("Sheen", 0.1), ("Sheen", 0.3), ("Sheen", 0.9), ("Principled", 0.5)])
+def test_sheen_of_a_floor_seen_at_a_flat_angle(file, render, add, quad, material, kind, roughness, light):
+    made, tree, output = material()
+    node = tree.nodes.new(f"ShaderNodeBsdf{kind}")
+    if kind == "Sheen":
+        node.inputs["Roughness"].default_value = roughness
+    else:  # above a diffuse surface
+        node.inputs["Sheen Weight"].default_value, node.inputs["Sheen Roughness"].default_value = 1.0, roughness
+        node.inputs["Specular IOR Level"].default_value = 0.0
+    tree.links.new(node.outputs[0], output)
+    mesh = quad()
+    mesh.materials.append(made)
+    add("Floor", mesh, scale=(40.0, 40.0, 1.0))
+    lamp = bpy.data.lights.new("Light", light)
+    if light == "SUN":
+        lamp.angle = 0.0
+        add("Light", lamp, rotation=(0.5, 0.3, 0.0))
+    else:
+        lamp.energy, lamp.shadow_soft_size = 500.0, 0.0
+        add("Light", lamp, (1.0, -2.0, 1.0))
+    file.scene.cycles.max_bounces = 0
+    ours, theirs = (picture[:7, :, 0].mean(1) for picture in render(64))
+    assert theirs.min() > 1e-5
+    assert ours == pytest.approx(theirs, rel=0.004)
+
+
 @pytest.mark.parametrize("backfacing", [False, True])
 @pytest.mark.parametrize("kind, distribution", [("Glass", "GGX"), ("Refraction", "GGX"), ("Refraction", "BECKMANN")])
 def test_a_light_behind_rough_glass(file, render, add, quad, material, kind, distribution, backfacing):

@@ -79,7 +79,6 @@ FUNCTIONS = {
     "GGX": (microfacet.distribution, lambda r: [uniform(r, 0.01, 1.0), uniform(r)], 1e-5, 1e-4),
     "masking": (microfacet.masking, lambda r: [uniform(r, 0.01, 1.0), uniform(r, 0.01, 1.0)], 1e-6, 1e-5),
     "cosine": (diffuse.cosine_hemisphere, lambda r: [uniform(r), uniform(r)], 1e-3, 0.0),  # flat at the rim
-    "sheen albedo": (diffuse.sheen_albedo, lambda r: [uniform(r), uniform(r, 0.05, 1.0)], 1e-5, 1e-4),
     "rectangle pdf": (
         rectangle.rectangle_pdf,
         lambda r: [

@@ -1,23 +1,23 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Directional albedos, looked up in the tables that kernels use, too."""
+"""Directional albedos and the terms of sheen, looked up in the tables that kernels use, too."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from ..tables import albedo
+from ..tables import albedo, sheen
 
 
 class Table:
-    """Directional albedos from ``render.tables``, with multilinear interpolation."""
+    """Directional albedos and ``sheen_`` terms from ``render.tables``, with multilinear interpolation."""
 
     def __init__(self):
         flat = albedo.load()
         self._values = {
             name: flat[start : start + int(np.prod(shape))].reshape(shape)
             for (name, shape), start in zip(albedo.SHAPES.items(), albedo.OFFSETS.values())
-        }
+        } | {f"sheen_{term}": values for term, values in zip(sheen.TERMS, sheen.load())}
 
     def __call__(self, name: str, *coordinates: np.ndarray) -> np.ndarray:
         """Values at coordinates in [0, 1], one array for each axis of the table."""

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..material import Node
 from ..scene import Ray
+from ..tables.sheen import LOWEST_ROUGHNESS, TERMS
 from . import bsdfs
 from .albedo_tables import Table, cosine_axis, ior_axis
 from .closures import (
@@ -43,7 +44,6 @@ from .subsurface import scattering
 from .vectors import dot, normalize
 
 CUTOFF = 1e-5  # lobes with less weight are left out
-LOWEST_SHEEN = 1e-2  # roughness below which the fits of sheen do not hold
 
 
 def leaves(node, points: Points, weight: np.ndarray) -> Iterator[tuple[Node, np.ndarray]]:
@@ -501,16 +501,8 @@ class Builder:
 
     def _add_sheen(self, weight, normal, roughness):
         """Add sheen of a weight. Returns its reflection."""
-        y = np.clip(roughness, LOWEST_SHEEN, 1.0)
-        x = np.clip(dot(normal, self.surface.wo), 0.0, 1.0)
-        # Fits of MaterialX 1.39 to the tables of Zeltner et al. 2022: albedo and the inverse transform.
-        width = y * (0.0206607 + 1.58491 * y) / (0.0379424 + y * (1.32227 + y))
-        middle = y * (-0.193854 + y * (-1.14885 + y * (1.7932 - 0.95943 * y * y))) / (0.046391 + y)
-        offset = y * (0.000654023 + (-0.0207818 + 0.119681 * y) * y) / (1.26264 + y * (-1.92021 + y))
-        reflected = np.exp(-0.5 * ((x - middle) / width) ** 2) / (width * np.sqrt(2.0 * np.pi)) + offset
-        a = (2.58126 * x + 0.813703 * y) * y / (1.0 + 0.310327 * x * x + 2.60994 * x * y)
-        b = np.sqrt(1.0 - x) * (y - 1.0) * y**3
-        b = b / (0.0000254053 + 1.71228 * x - 1.71506 * x * y + 1.34174 * y * y)
+        place = dot(normal, self.surface.wo), np.maximum(roughness, LOWEST_ROUGHNESS)
+        reflected, a, b = (self.table(f"sheen_{term}", *place) for term in TERMS)
         usable = (reflected > CUTOFF) & (np.abs(a) >= CUTOFF)
         own = weight * np.where(usable, reflected, 0.0)[:, None]
         self.lobes.append(Sheen(own, normal, a=np.where(usable, a, 1.0), b=b))

@@ -33,7 +33,6 @@ lobe_table = table("lobes", LOBE)
 WHITE = (1.0, 1.0, 1.0)
 NO_FILM = (-1.0, -1.0, -1.0)
 _SMOOTH_DIFFUSE = 1e-5  # below this roughness, Oren–Nayar is Lambert's
-_LOWEST_SHEEN = 1e-2  # roughness below which the fits of sheen do not hold
 
 
 @kernel
@@ -271,12 +270,9 @@ def begin_metal(workspace, weight, n, roughness, color, tint):
 
 
 @kernel
-def add_fibers(workspace, weight, n, roughness):
+def add_fibers(block, workspace, weight, n, roughness):
     """Sheen of fibers. Returns what it reflects of ``weight``."""
-    roughness = min(max(roughness, _LOWEST_SHEEN), 1.0)
-    cosine = saturate(dot(n, vec(surface_table(workspace)[0].wo)))
-    albedo = diffuse.sheen_albedo(cosine, roughness)
-    a, b = diffuse.sheen_transform(cosine, roughness)
+    albedo, a, b = energy.sheen(block, dot(n, vec(surface_table(workspace)[0].wo)), roughness)
     if not (albedo > NEGLIGIBLE) or abs(a) < NEGLIGIBLE:
         return ZERO
     own = scale(weight, albedo)

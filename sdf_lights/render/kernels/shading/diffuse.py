@@ -4,7 +4,7 @@
 
 Oren–Nayar: Fujii 2012, "Improved Oren–Nayar" (the qualitative form), with multiple scattering as OpenPBR 1.1
 specifies. Sheen: Zeltner, Burley and Chiang 2022, "Practical multiple-scattering sheen using linearly transformed
-cosines"; its three tables as the closed-form fits of MaterialX 1.39 and OpenPBR 1.1.
+cosines"; the terms of its closure are from ``energy.sheen``.
 """
 
 import math
@@ -66,26 +66,6 @@ def oren_nayar(closure, wo, wi):
     lost = 1.0 - (closure.a * math.pi + closure.b * _oren_nayar_g(cosine_i))
     m = closure.multiscatter
     return (cosine_i * (single + m[0] * lost), cosine_i * (single + m[1] * lost), cosine_i * (single + m[2] * lost))
-
-
-@kernel
-def sheen_albedo(cosine, roughness):
-    """Directional albedo R of sheen."""
-    x, y = cosine, roughness
-    width = y * (0.0206607 + 1.58491 * y) / (0.0379424 + y * (1.32227 + y))
-    middle = y * (-0.193854 + y * (-1.14885 + y * (1.7932 - 0.95943 * y * y))) / (0.046391 + y)
-    offset = y * (0.000654023 + (-0.0207818 + 0.119681 * y) * y) / (1.26264 + y * (-1.92021 + y))
-    d = (x - middle) / width
-    return math.exp(-0.5 * d * d) / (width * math.sqrt(2.0 * math.pi)) + offset
-
-
-@kernel
-def sheen_transform(cosine, roughness):
-    """Coefficients (A, B) of the inverse linear transform."""
-    x, y = cosine, roughness
-    a = (2.58126 * x + 0.813703 * y) * y / (1.0 + 0.310327 * x * x + 2.60994 * x * y)
-    b = math.sqrt(1.0 - min(x, 1.0)) * (y - 1.0) * y**3
-    return a, b / (0.0000254053 + 1.71228 * x - 1.71506 * x * y + 1.34174 * y * y)
 
 
 @kernel

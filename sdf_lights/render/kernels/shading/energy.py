@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Compensation of the energy that single scattering loses; and albedos for stacking layers.
+"""Compensation of the energy that single scattering loses; albedos for stacking layers; and the table of sheen.
 
 Turquin 2019, "Practical multiple scattering compensation for microfacet models": the lobe is scaled by one over its
 albedo without Fresnel. The colour of light that bounced between microfacets follows Kulla and Conty 2017.
@@ -11,16 +11,20 @@ import math
 import numpy as np
 
 from ....jit import kernel, table
+from ...tables import sheen as sheen_table
 from ...tables.albedo import CYCLES_SIZE, OFFSETS, SIZE
 
-TABLES = {"albedo": np.dtype("f8")}
+TABLES = {"albedo": np.dtype("f8"), "sheen": np.dtype("f8")}
 _albedo = table("albedo", TABLES["albedo"])
+_sheen = table("sheen", TABLES["sheen"])
 
 _REFLECTION, _REFLECTION_AVERAGE = OFFSETS["reflection"], OFFSETS["reflection_average"]
 _GLASS, _GLASS_AVERAGE = OFFSETS["glass"], OFFSETS["glass_average"]
 _INSIDE, _INSIDE_AVERAGE = OFFSETS["glass_inside"], OFFSETS["glass_inside_average"]
 _DIELECTRIC, _SCHLICK = OFFSETS["dielectric"], OFFSETS["schlick"]
 _CYCLES_DIELECTRIC, _CYCLES_SCHLICK = OFFSETS["cycles_dielectric"], OFFSETS["cycles_schlick"]
+_SHEEN_SIZE, _LOWEST_SHEEN = sheen_table.SIZE, sheen_table.LOWEST_ROUGHNESS
+_SHEEN_ALBEDO, _SHEEN_A, _SHEEN_B = (_SHEEN_SIZE * _SHEEN_SIZE * term for term in range(len(sheen_table.TERMS)))
 _RELEVANT = 1e-4  # lost energy that is not worth compensating
 
 
@@ -129,6 +133,17 @@ def cycles_dielectric(block, ior, cosine, roughness):
 def cycles_schlick(block, cosine, roughness):
     """What Cycles takes for ``schlick_albedo`` over ``reflection_albedo``."""
     return _plane(_albedo(block), _CYCLES_SCHLICK, roughness, cosine, CYCLES_SIZE)
+
+
+@kernel
+def sheen(block, cosine, roughness):
+    """Albedo of sheen, and the coefficients A and B of its inverse linear transform."""
+    values, y = _sheen(block), max(roughness, _LOWEST_SHEEN)
+    return (
+        _plane(values, _SHEEN_ALBEDO, y, cosine, _SHEEN_SIZE),
+        _plane(values, _SHEEN_A, y, cosine, _SHEEN_SIZE),
+        _plane(values, _SHEEN_B, y, cosine, _SHEEN_SIZE),
+    )
 
 
 @kernel

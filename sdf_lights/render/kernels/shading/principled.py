@@ -133,7 +133,7 @@ def _add_sheen(block, workspace, lobe, weight, n, coat_weight):
         above = normal(block, workspace, args[COAT_NORMAL])
         n = normalize(madd(scale(n, 1.0 - blend), blend, above))
     roughness = number(block, workspace, args[SHEEN_ROUGHNESS])
-    return _below(weight, add_fibers(workspace, scale(mul(weight, tint), amount), n, roughness))
+    return _below(weight, add_fibers(block, workspace, scale(mul(weight, tint), amount), n, roughness))
 
 
 @kernel

@@ -24,7 +24,7 @@ def add_sheen(block, workspace, lobe, weight):
     """Sheen BSDF of fibers."""
     args = lobe_table(block)[int(lobe)].args
     color = scale(positive(vector(block, workspace, args[0])), weight)
-    add_fibers(workspace, color, normal(block, workspace, args[2]), number(block, workspace, args[1]))
+    add_fibers(block, workspace, color, normal(block, workspace, args[2]), number(block, workspace, args[1]))
     return 0.0
 
 
