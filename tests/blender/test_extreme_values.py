@@ -74,6 +74,22 @@ def test_pixels_stay_finite(file, stage, add, lamp, pictures, capfd, what, value
     assert sum(line.startswith("Warning: ") for line in output.out.splitlines()) <= 1
 
 
+@pytest.mark.parametrize("device", ["REFERENCE", "CPU"])
+@pytest.mark.parametrize("kind", ["Sheen", "Glossy", "Glass"])
+def test_pixels_stay_finite_where_a_roughness_is_no_number(file, stage, add, quad, material, pictures, kind, device):
+    file.scene.sdf_lights.device = device
+    made, tree, output = material()
+    node, roughness = tree.nodes.new(f"ShaderNodeBsdf{kind}"), tree.nodes.new("ShaderNodeAttribute")
+    roughness.attribute_name = "roughness"
+    tree.links.new(roughness.outputs["Fac"], node.inputs["Roughness"])
+    tree.links.new(node.outputs[0], output)
+    mesh = quad()
+    mesh.attributes.new("roughness", "FLOAT", "POINT").data.foreach_set("value", [float("nan")] * 4)
+    mesh.materials.append(made)
+    add("Rough", mesh, (0.0, 0.0, 0.01), scale=(5.0, 5.0, 1.0))
+    assert np.isfinite(pictures()["ViewLayer"]["Combined"]).all()
+
+
 def test_more_threads_than_there_is_work(file, stage, pictures):
     file.scene.sdf_lights.device = "CPU"
     few = pictures()["ViewLayer"]["Combined"]

@@ -20,12 +20,12 @@ class Table:
         } | {f"sheen_{term}": values for term, values in zip(sheen.TERMS, sheen.load())}
 
     def __call__(self, name: str, *coordinates: np.ndarray) -> np.ndarray:
-        """Values at coordinates in [0, 1], one array for each axis of the table."""
+        """Values at coordinates in [0, 1], one array for each axis of the table; what is not a number counts as 0."""
         table = self._values[name]
         total = np.zeros(np.broadcast(*coordinates).shape)
         cells = []
         for x, size in zip(coordinates, table.shape):
-            x = np.clip(x, 0.0, 1.0) * (size - 1)
+            x = np.clip(np.nan_to_num(x), 0.0, 1.0) * (size - 1)
             low = np.minimum(x.astype(int), size - 2)
             cells.append((low, x - low))
         for corner in np.ndindex((2,) * table.ndim):
