@@ -6,8 +6,8 @@ Boxes and a glossy sphere lit by one point light, with direct light only and wit
 A rate is the additional samples of a long render over its additional time, compared with a short one, so that no
 engine's start-up counts; medians of all turns. With ``--device gpu`` the CPU takes turns, too, and so does Cycles on
 the graphics card, if there is one. All of them then render the lamp scenes, where GPU and CPU have the same settings:
-paths that do not split, the same number of samples in every pixel, lamps by cuts, the default of both, and in another
-turn by projection with MIS.
+paths that neither split nor have light paths, the same number of samples in every pixel, lamps by cuts, the default of
+both, and in another turn by projection with MIS.
 """
 
 from __future__ import annotations
@@ -64,6 +64,7 @@ def _prepare(name: str, scene, samples: int, bounces: int, device: str) -> None:
         simple_scenes.plain_cycles(scene, samples, bounces, name.removeprefix(ON_CARD) if ON_CARD in name else "CPU")
     else:
         simple_scenes.plain_sdf_lights(scene, samples, bounces, "CPU" if name in (ON_CPU, BY_PROJECTION[1]) else device)
+        scene.sdf_lights.lamp_paths = "NEVER"  # they make samples fewer and better
         sampling = LampSampling.MIS if name in BY_PROJECTION else LampSampling.CUT
         scene.sdf_lights.lamp_sampling = sampling.value
 
