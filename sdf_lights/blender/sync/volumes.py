@@ -13,10 +13,10 @@ import numpy as np
 from ...graph.formula import Vector, constant
 from ...render.medium import BLACK, RGB, Medium, Scattering
 from ...render.nodes.means import mean_inside, varies
+from ...render.nodes.spectra import blackbody_in
 from ...render.phases import fournier_forand_mean, limited, mie
-from ...sdf.builtin_colors import blackbody
 from .common import Warnings
-from .node_values import numbers_of
+from .node_values import numbers_of, working_space
 from .nodes import Reader, Stack, by_identifier
 
 STEFAN_BOLTZMANN = 5.670373e-8 * 1e-6 / math.pi  # radiance, in the units of Cycles
@@ -171,7 +171,7 @@ def _principled(inputs: _Sockets, weight: float) -> Medium:
     if share > 0.0:
         temperature = inputs.positive("Temperature")
         intensity = weight * STEFAN_BOLTZMANN * (1.0 + share * (temperature**4 - 1.0))
-        glow = blackbody(constant(temperature))
+        glow = blackbody_in(working_space(), constant(temperature))  # negative out of gamut, as in Cycles' volumes
         emission = _total(
             emission,
             tuple(intensity * tint * channel.value for tint, channel in zip(inputs.color("Blackbody Tint"), glow)),

@@ -84,11 +84,15 @@ def blackbody_rec709(t: Formula) -> Vector:
     )
 
 
+def blackbody_in(working_space: str | None, t: Formula) -> Vector:
+    """``blackbody_rec709`` in the working space of a file; negative out of gamut."""
+    return transformed(xyz_to_rgb(working_space) @ np.linalg.inv(REC709), blackbody_rec709(t))
+
+
 @defines("ShaderNodeBlackbody")
 def blackbody(node: NodeInputs):
     """800 to 12000 K."""
-    to_working_space = xyz_to_rgb(node.setting("working_space")) @ np.linalg.inv(REC709)
-    color = transformed(to_working_space, blackbody_rec709(node.number("Temperature")))
+    color = blackbody_in(node.setting("working_space"), node.number("Temperature"))
     return {"Color": each(lambda a: maximum(a, 0.0), color)}
 
 
