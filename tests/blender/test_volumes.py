@@ -206,18 +206,14 @@ def test_bounces_reach_the_settings(file, synced):
 
 
 @pytest.mark.parametrize("temperature", [700.0, 1500.0, 9000.0])
-def test_a_black_body_takes_away_what_is_out_of_gamut_as_in_cycles(file, render, add, material, temperature):
+def test_a_black_body_takes_away_what_is_out_of_gamut_as_in_cycles(file, render, material, temperature):
     made, tree, surface = material()
     node = tree.nodes.new("ShaderNodeVolumePrincipled")
     for key, value in {"Density": 0.0, "Blackbody Intensity": 1.0, "Temperature": temperature}.items():
         node.inputs[key].default_value = value
     tree.links.new(node.outputs[0], surface.node.inputs["Volume"])
-    mesh = bpy.data.meshes.new("Cube")
-    corners = [(x, y, z) for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)]
-    faces = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
-    mesh.from_pydata(corners, [], faces)
-    mesh.materials.append(made)
-    add("Fire", mesh, scale=(9.0, 1.0, 9.0))
+    bpy.ops.mesh.primitive_cube_add(size=2.0, scale=(9.0, 1.0, 9.0))
+    bpy.context.object.data.materials.append(made)
     world = bpy.data.worlds.new("Grey")
     world.use_nodes = True
     world.node_tree.nodes["Background"].inputs["Color"].default_value = 0.1, 0.1, 0.1, 1.0

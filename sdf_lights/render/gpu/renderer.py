@@ -21,7 +21,7 @@ from ..motion import at, changes_shape, part_of, time_of
 from ..scene import Scene
 from . import thread_arrays
 from .bvh import Hierarchy
-from .device import GROUP, DeviceError, device, megabytes
+from .device import DeviceError, device, megabytes
 from .packed_scene import TEXTURE_BITS, GpuScene, film_places
 
 POLL_SECONDS = 0.05
@@ -307,8 +307,8 @@ class GpuRenderer:
                 place = 0
                 while place < len(pixels) and not stopped:
                     most = min(len(pixels) - place, self._threads)
-                    each = self._samples_of_thread(most, many)
-                    threads = min(max(self._work // each // GROUP, 1) * GROUP, most)
+                    each, group = self._samples_of_thread(most, many), self._packed.group
+                    threads = min(max(self._work // each // group, 1) * group, most)
                     sample = begin
                     while sample < begin + many and not stopped:
                         end = min(sample + min(max(self._work // threads, 1), self._longest), begin + many)
@@ -338,7 +338,7 @@ class GpuRenderer:
     def _adapt(self, samples: int, seconds: float) -> None:
         """Choose the size of dispatches by the time of the last one."""
         aim = samples * TARGET_SECONDS / max(seconds, 1e-4)
-        self._work = int(min(max(aim, GROUP), 4 * self._work, 1 << 26))
+        self._work = int(min(max(aim, self._packed.group), 4 * self._work, 1 << 26))
 
     def _shorten(self, samples: int) -> None:
         """Make dispatches shorter: the driver has ended the loops of one with so many samples."""
