@@ -85,6 +85,18 @@ def largest(a):
 
 
 @kernel
+def absolute(a):
+    """The magnitude of each component."""
+    return (abs(a[0]), abs(a[1]), abs(a[2]))
+
+
+@kernel
+def is_zero(a):
+    """Whether all components are 0."""
+    return a[0] == 0.0 and a[1] == 0.0 and a[2] == 0.0
+
+
+@kernel
 def average(a):
     """Mean of the components."""
     return (a[0] + a[1] + a[2]) * (1.0 / 3.0)

@@ -37,10 +37,6 @@ EXPLAINED = {
     "1.1 % in Blender 5.2, where moved rays change our own picture as much, and 1.3 % in 5.0",
     "Group with an unlinked tangent": "a tangent without a length gives no finite numbers in Cycles since Blender 5.0, so it is black",
     **dict.fromkeys(
-        (f"Volume{kind} Volume of varying density" for kind in ("Absorption", "Principled", "Scatter")),
-        "a density that varies is replaced by its mean, and the render says so",
-    ),
-    **dict.fromkeys(
         (f"Volume{kind} FOURNIER_FORAND Volume" for kind in ("Coefficients", "Scatter")),
         "Henyey and Greenstein's phase function with the same mean stands for this one, and the render says so",
     ),

@@ -124,8 +124,9 @@ class Attribute:
     ``kind`` is "uv" or "tangent" (``name`` is that of a UV map; "" is the active one), "generated" (position in the box
     around the undeformed mesh, 0 to 1), "geometry" (``name`` is that of an attribute of the mesh), or "object",
     "instancer", "view_layer" (``name`` is that of a property), "instancer_generated" and "instancer_uv" (position of an
-    instance on the instancer), "pointiness" (convexity of a mesh), "island" (a random number of each part) or
-    "undisplaced" (position of a point before ``displacement``).
+    instance on the instancer), "texture_space" ("scale" and "offset" from object space to "generated", inside meshes),
+    "pointiness" (convexity of a mesh), "island" (a random number of each part) or "undisplaced" (position of a point
+    before ``displacement``).
     """
 
     kind: str
@@ -180,7 +181,7 @@ class Material:
 
 def attributes_of(materials: Iterable[Material], others: Iterable[Attribute] = ()) -> list[Attribute]:
     """Every attribute that the materials look up, and ``others``, in the order of their indices."""
-    found = {value for material in materials for value in material.parameters if isinstance(value, Attribute)} | {
-        *others
-    }
+    lists = [material.parameters for material in materials]
+    lists += [each.medium.varying.parameters for each in materials if each.medium and each.medium.varying]
+    found = {value for values in lists for value in values if isinstance(value, Attribute)} | {*others}
     return sorted(found, key=lambda attribute: (attribute.kind, attribute.name))

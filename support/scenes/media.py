@@ -4,11 +4,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+from sdf_lights.graph.formula import Formula, Vector, constant, exp, minimum
 from sdf_lights.render.lights.area import AreaLight
 from sdf_lights.render.lights.point import PointLight, SpotLight
 from sdf_lights.render.lights.sun import SunLight
 from sdf_lights.render.material import Material, Node
-from sdf_lights.render.medium import Medium, Scattering
+from sdf_lights.render.medium import Medium, Scattering, Varying
+from sdf_lights.render.nodes.variables import POSITION
 from sdf_lights.render.scene import Instance, Lamp, Scene, World
 from sdf_lights.sdf import shapes
 from sdf_lights.sdf.emission import EmissionExpression
@@ -17,7 +21,26 @@ from .matrices import look_at, rotation, scaling, translation
 from .meshes import box, sphere
 from .room import GREY, HEIGHT, WIDTH, add, camera, diffuse, material, room, settings, torus_lamp
 
+ONE = minimum(exp(abs(POSITION.x)), 1.0)  # everywhere, but no program can know
 CLEAR = Node("transparent", {"color": (1.0, 1.0, 1.0)})
+
+
+def varying(medium: Medium | None, factor: Formula = ONE) -> Medium | None:
+    """The same medium, whose coefficients are formulas: times a ``factor``."""
+    if medium is None:
+        return None
+    scaled = [
+        Vector(*(constant(channel) * factor for channel in color))
+        for color in (medium.absorption, *(part.coefficient for part in medium.scattering), medium.emission)
+    ]
+    return replace(medium, varying=Varying(scaled[0], tuple(scaled[1:-1]), scaled[-1], []))
+
+
+def with_varying_media(scene: Scene, factor: Formula = ONE) -> Scene:
+    """The same scene with all its media ``varying``."""
+    scene.world = replace(scene.world, medium=varying(scene.world.medium, factor))
+    scene.materials = [replace(each, medium=varying(each.medium, factor)) for each in scene.materials]
+    return scene
 
 
 def smoke(width: int = WIDTH, height: int = HEIGHT) -> Scene:

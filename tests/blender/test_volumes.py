@@ -6,6 +6,7 @@ import bpy
 import numpy as np
 import pytest
 
+from sdf_lights.graph.formula import VARIABLE, order
 from sdf_lights.render.scene import Ray
 from tests.blender.node_trees import new
 
@@ -163,7 +164,7 @@ def test_coefficients(medium):
     close(found.emission, 0.7, 0.8, 0.9)
 
 
-def test_what_varies_is_its_mean(medium):
+def test_what_varies_has_formulas_and_a_mean(medium):
     def build(tree):
         node, geometry = tree.nodes.new("ShaderNodeVolumeScatter"), tree.nodes.new("ShaderNodeNewGeometry")
         tree.links.new(geometry.outputs["Position"], node.inputs["Density"])
@@ -171,7 +172,21 @@ def test_what_varies_is_its_mean(medium):
 
     found, scene = medium(build)
     np.testing.assert_allclose(found.scattering[0].coefficient, 0.8 * 0.5, rtol=0.02)  # of a cube of one metre
-    assert any("Density" in warning and "mean" in warning for warning in scene.warnings)
+    [color] = found.varying.scattering
+    assert all(node.value[0] == "position" for node in order(*color) if node.kind == VARIABLE)
+    assert scene.warnings == []
+
+
+def test_a_phase_function_that_varies_is_its_mean(medium):
+    def build(tree):
+        node, geometry = tree.nodes.new("ShaderNodeVolumeScatter"), tree.nodes.new("ShaderNodeNewGeometry")
+        tree.links.new(geometry.outputs["Position"], node.inputs["Anisotropy"])
+        return node.outputs[0]
+
+    found, scene = medium(build)
+    assert found.varying is None and found.scattering[0].g == pytest.approx(0.5, rel=0.02)
+    [warning] = scene.warnings
+    assert "Anisotropy of its phase function" in warning and "'Air'" in warning and "mix two nodes" in warning
 
 
 def test_a_world_that_glows_without_end_is_told(medium):

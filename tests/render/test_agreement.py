@@ -44,11 +44,11 @@ QUICK = (
 COSTLY = ("rolling", "changing_lamps", "network_lamp")
 
 
-def pictures(renderer, name: str, samples: int, passes: tuple[str, ...] = PASSES) -> dict[str, np.ndarray]:
-    """Every pass: (seeds, height, width, channels)."""
+def pictures(renderer, make, samples: int, passes: tuple[str, ...] = PASSES) -> dict[str, np.ndarray]:
+    """Every pass of the scenes ``make(width, height)``: (seeds, height, width, channels)."""
     found = {item: [] for item in passes}
     for seed in range(SEEDS):
-        scene = SCENES[name](32, 24)
+        scene = make(32, 24)
         scene.settings.seed, scene.settings.threads = 100 + seed, 1
         film = Film(scene, passes)
         back_end = renderer(scene, film, lambda: False, lambda text: None)
@@ -64,7 +64,14 @@ def pictures(renderer, name: str, samples: int, passes: tuple[str, ...] = PASSES
 def compare(name: str, samples: int, passes: tuple[str, ...] = PASSES) -> None:
     from sdf_lights.render.cpu.renderer import CpuRenderer
 
-    cpu, reference = (pictures(renderer, name, samples, passes) for renderer in (CpuRenderer, ReferenceRenderer))
+    cpu, reference = (
+        pictures(renderer, SCENES[name], samples, passes) for renderer in (CpuRenderer, ReferenceRenderer)
+    )
+    agree(cpu, reference, passes)
+
+
+def agree(cpu: dict[str, np.ndarray], reference: dict[str, np.ndarray], passes: tuple[str, ...]) -> None:
+    """Fail if two results of ``pictures`` differ by more than noise."""
     failures = []
     for item in passes:
         rounding = 1e-5 * max(np.abs(reference[item]).max(), 1e-3)  # of float32 rays

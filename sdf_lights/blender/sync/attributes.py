@@ -38,9 +38,24 @@ def read(collection, name: str, dtype, width: int = 1) -> np.ndarray:
 def _generated(data: bpy.types.Mesh, mesh: Mesh, corners, faces, name: str) -> AttributeValues:
     """Position in the mesh's texture space: 0 to 1 over the box around it, before modifiers deform it."""
     positions = read(data.vertices, "undeformed_co", np.float32, 3)
-    location, size = np.array(data.texspace_location), np.array(data.texspace_size)
-    scale = np.divide(0.5, size, out=np.zeros(3), where=size != 0.0)
+    location, scale = _texture_space(data)
     return AttributeValues(Domain.VERTEX, ((positions - location) * scale + 0.5).astype(np.float32))
+
+
+def _texture_space(data) -> tuple[np.ndarray, np.ndarray]:
+    """The middle of a mesh's texture space, and the factor to its coordinates."""
+    location, size = np.array(data.texspace_location), np.array(data.texspace_size)
+    return location, np.divide(0.5, size, out=np.zeros(3), where=size != 0.0)
+
+
+def texture_space(data, name: str) -> np.ndarray | None:
+    """(1, 3) float32: the "scale" or the "offset" of the transform from object space to generated coordinates; None for
+    data without a texture space."""
+    if not hasattr(data, "texspace_location"):
+        return None
+    location, scale = _texture_space(data)
+    values = scale if name == "scale" else 0.5 - location * scale
+    return values.astype(np.float32)[None]
 
 
 def _geometry(

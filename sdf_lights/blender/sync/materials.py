@@ -70,7 +70,11 @@ class Materials:
                 surface, normal = displaced_as_bump(
                     surface, moved, None if method == "BUMP" else reader.parametric(UNDISPLACED)
                 )
-        medium = medium_of(reader, output, owner, self._warn)
+        # Nodes are read again for the volume: inside a mesh, coordinates are not those of its surface.
+        inner = Reader(
+            tree, owner, self._depsgraph, self._images, self._warn, "VOLUME", material_index=material.pass_index
+        )
+        medium = medium_of(inner, output, owner, self._warn)
         bounds = reader.resolve(output.inputs["Volume"])[0] is not None
         if surface is None and bounds:
             surface = Node("transparent")  # the surface only bounds a volume

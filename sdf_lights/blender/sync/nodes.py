@@ -50,11 +50,11 @@ class Reader:
     """Reads one node tree. ``owner`` names it in warnings: "Material 'Wood'". Time, view layer and world come from
     ``depsgraph``, because a window may show a different scene than the rendered one.
 
-    ``parameters`` are the values of the slots of all formulas read so far. ``domain`` is "SURFACE", "WORLD" (where the
-    position is the direction of the ray) or "LIGHT". ``light`` has data for nodes of lights: "light_matrix" (3, 4) maps
-    from the world to the light, without its scale; "light_normals" (3, 3) does so for normals, with the scale, as in
-    Cycles; "light_shape": see ``projections.light_place``; "object_info": the result of ``lookups.OBJECT_INFO``;
-    "owners": the data whose properties are its attributes.
+    ``parameters`` are the values of the slots of all formulas read so far. ``domain`` is "SURFACE", "VOLUME" (inside a
+    mesh), "WORLD" (where the position is the direction of the ray, or a point of its volume) or "LIGHT". ``light`` has
+    data for nodes of lights: "light_matrix" (3, 4) maps from the world to the light, without its scale; "light_normals"
+    (3, 3) does so for normals, with the scale, as in Cycles; "light_shape": see ``projections.light_place``;
+    "object_info": the result of ``lookups.OBJECT_INFO``; "owners": the data whose properties are its attributes.
     """
 
     def __init__(

@@ -14,7 +14,7 @@ from ...render.errors import RenderError
 from ...render.material import Attribute
 from ...render.scene import AttributeValues, Domain, Instance, Lamp, Portal, Ray, Scene
 from ..naming import BESIDE_GROUP
-from .attributes import InstanceAttributes, property_of, random_number
+from .attributes import InstanceAttributes, property_of, random_number, texture_space
 from .common import FLAT, Warnings, is_finite, matrix_of, visibility_of
 from .images import Images
 from .kept import Kept, owners_of
@@ -206,6 +206,11 @@ class _Reader:
                     place = np.array(item.orco if attribute.kind == "instancer_generated" else item.uv, np.float32)
                     place = 0.5 * place - 0.5 if attribute.kind == "instancer_generated" else place
                     found[attribute] = AttributeValues(Domain.WHOLE, place[None])
+                continue
+            if attribute.kind == "texture_space":
+                values = texture_space(item.object.data, attribute.name)
+                if values is not None:
+                    found[attribute] = AttributeValues(Domain.WHOLE, values)
                 continue
             owners = {
                 "object": (item.object, item.object.data),

@@ -17,6 +17,7 @@ from ..kernels import film as film_kernels
 from ..kernels.light_paths import code_table as light_path_code
 from ..kernels.light_paths import records as light_path_records
 from ..kernels.media import code_table as media_code
+from ..kernels.media import grids as media_grids
 from ..kernels.media import pack as media
 from ..kernels.media import records as media_records
 from ..kernels.outputs import code_table as output_code
@@ -39,6 +40,7 @@ from ..kernels.shading.records import HAS_SUBSURFACE, HAS_TRANSPARENCY
 from ..kernels.strands import code_table as strand_code
 from ..kernels.subsurface import code_table as subsurface_code
 from ..kernels.workspace import WORKSPACE, WORKSPACE_TABLES
+from ..medium import some_varies
 from ..scene import Lamp, Scene, catchers_only, catches_shadows
 from ..settings import LampSampling
 from ..strands import has_strands
@@ -74,7 +76,7 @@ class PackedScene:
         self._fill(shapes | code, {"has_strands": strands})
         self._accelerator.fill(self.block)
         tables, scalars = media.pack_media(scene)
-        tables["media_code"] = media_code.addresses(scalars["has_media"], (BLOCK, WORKSPACE))
+        tables["media_code"] = media_code.addresses(scalars["has_media"], some_varies(scene), (BLOCK, WORKSPACE))
         self._fill(tables, scalars)
         self._fill(
             {
@@ -88,6 +90,12 @@ class PackedScene:
         self.update_lights(scene)
         self.update_camera(scene, film)
         self._pack_motion(scene)
+        if some_varies(scene):
+            width = float((self.bounds()[1] - self.bounds()[0]).max())
+            step = media_grids.STEP * max(width, 1.0)
+            workspace = Workspace(self)  # owns the memory of its block
+            grids = media_grids.fill_grids(scene, self.block, workspace.block, self._tables)
+            self._fill(grids, {"media_step": step})
         # A name that no module declares, or one without its table, is a bug in this file.
         assert self._tables.keys() == TABLES.keys(), self._tables.keys() ^ TABLES.keys()
         if catches:
@@ -279,7 +287,7 @@ class Workspace:
             **cuts.WORKSPACE_COUNTS,
             **lights.WORKSPACE_COUNTS,
             **light_path_records.WORKSPACE_COUNTS,
-            **media_records.WORKSPACE_COUNTS,
+            **media_records.workspace_counts(packed._tables),
             **packed.output_counts,
             **lamp_tree.workspace_counts(len(packed.lamps)),
         }

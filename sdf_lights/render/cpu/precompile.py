@@ -120,7 +120,7 @@ def _special() -> tuple[list, Callable[[], None]]:
 
     records = BLOCK, WORKSPACE
     kernels = [
-        *(kernel for kernel, _ in media_code.KERNELS.values()),
+        *(kernel for kernel, _ in (*media_code.KERNELS.values(), *media_code.VARYING.values())),
         *subsurface_code.KERNELS.values(),
         *(kernel for _, kernel, _ in output_code.KERNELS.values()),
         *special.kernels(),
@@ -133,7 +133,8 @@ def _special() -> tuple[list, Callable[[], None]]:
             build_lamp("Lamp", shape, np.eye(4))
         compile_calls(common.calls(), records)
         special.compile_all(records)
-        media_code.addresses(True, records)
+        media_code.addresses(True, False, records)
+        media_code.addresses(True, True, records)
         subsurface_code.addresses(True, records)
         strand_code.addresses(True, records)
         output_code.compile_all(records)

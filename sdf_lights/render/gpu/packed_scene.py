@@ -32,6 +32,7 @@ from ..kernels.strands import dispatch as strands
 from ..kernels.strands.surface import fill as fill_strand
 from ..kernels.subsurface import code_table as subsurface_code
 from ..kernels.workspace import WORKSPACE_TABLES
+from ..medium import some_varies
 from ..passes import CATCHER_SUMS
 from ..scene import Scene
 from ..settings import LampSampling
@@ -132,6 +133,8 @@ class GpuScene:
     ):
         if scene.settings.lamp_sampling is LampSampling.EXTERNAL:
             raise DeviceError("it has no such sampling of lamps")
+        if some_varies(scene):
+            raise DeviceError("it has no volumes that vary in space")
         self._software = software
         self.group = group
         self.formulas = lamp_kernels.Formulas()

@@ -11,13 +11,12 @@ from ... import emitter as lamps
 from ...emitter.sampling.strategies import NO_BSDF_RAYS, NO_LIGHT_RAYS
 from ...jit import kernel
 from ...replaced import replaced_on_gpu
-from ...vec import largest, mul, scale, vec
+from ...vec import is_zero, mul, scale, vec
 from . import lights
 from .emission_graphs import modulated
 from .geometry import surface_table
 from .lamp_tree import found_table, lamps_along
 from .media import dispatch as media
-from .media.beams import attenuation
 from .media.records import inside_table
 from .next_event import bsdf_mis_pdf, lamp_pdf, mis_applies, restore_lamp_cut, selection_normal
 from .path import (
@@ -121,7 +120,7 @@ def gather_lamps(block, workspace, t_to):
             radiance = lamps.radiance(block, lamp, origin, direction, spans, count, path.t_min, t_to, u)
         if path.kind == CAMERA:
             radiance = scale(radiance, lights.camera_brightness(block, lamp))
-        if largest(radiance) <= 0.0:
+        if is_zero(radiance):
             continue
         contribute(block, workspace, radiance, _lamp_mis(block, workspace, lamp, count), lamp, path.bounce)
 
@@ -169,14 +168,8 @@ def gather_lights(block, workspace, t_to):
         if block.emission_graphs:
             radiance = modulated(block, workspace, hit.emitter, radiance, origin, direction, hit.distance, path.kind)
         if block.has_media and inside_table(workspace)[0].count > 0:
-            radiance = mul(radiance, attenuation(vec(inside_table(workspace)[0].extinction), hit.distance - path.t_min))
+            radiance = mul(radiance, media.fade(block, workspace, hit.distance))
         contribute(block, workspace, radiance, weight, hit.emitter, path.bounce)
-
-
-@kernel
-def _nothing(radiance):
-    """Whether there is no light at all; that of materials may be negative, as in Cycles."""
-    return radiance[0] == 0.0 and radiance[1] == 0.0 and radiance[2] == 0.0
 
 
 @kernel
@@ -195,7 +188,7 @@ def gather_world(block, workspace):
     radiance = lights.world_radiance(block, direction)
     if block.emission_graphs:
         radiance = modulated(block, workspace, world, radiance, vec(path.origin), direction, np.inf, path.kind)
-    if _nothing(radiance):
+    if is_zero(radiance):  # that of materials may be negative, as in Cycles
         return
     if hidden:  # from Combined alone
         show_environment(workspace, radiance)
@@ -215,7 +208,7 @@ def gather_surface(block, workspace):
     path = path_table(workspace)[0]
     surface = surface_table(workspace)[0]
     radiance = vec(surface.emission)
-    if _nothing(radiance) or not lights.emission_is_linked(block, path.light_tree, surface.instance):
+    if is_zero(radiance) or not lights.emission_is_linked(block, path.light_tree, surface.instance):
         return
     weight = 1.0
     if path.pdf > 0.0 or block.light_paths:

@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...jit import kernel
-from ...vec import average, dot, largest, mul, negate, put, put_sum, scale, sub, vec
+from ...vec import absolute, average, dot, largest, mul, negate, put, put_sum, scale, sub, vec
 from . import lights
 from .camera import camera_ray, filter_offset, view_depth
 from .gather import gather_lamps, gather_lights, gather_surface, gather_world, last_lamp_exit
@@ -223,7 +223,7 @@ def survives(path):
     """
     if path.bounce < FIRST_ROULETTE or path.last:
         return True
-    survival = min(1.0, largest(vec(path.throughput)))
+    survival = min(1.0, largest(absolute(vec(path.throughput))))  # negative where a medium is denser than its majorant
     if get_1d(path.index, path.seed, path.dimension + ROULETTE_SET) >= survival:
         return False
     put(path.throughput, scale(vec(path.throughput), 1.0 / survival))

@@ -15,7 +15,7 @@ from ...emitter.sampling import cut_points, external
 from ...emitter.sampling.strategies import BOXES, EXTERNAL, NO_LIGHT_RAYS, WHOLE_RAYS
 from ...jit import kernel
 from ...replaced import replaced_on_gpu
-from ...vec import dot, largest, length, mul, negate, scale, vec
+from ...vec import dot, is_zero, largest, length, mul, negate, scale, vec
 from . import lights
 from .emission_graphs import NO_RAY, modulated
 from .geometry import surface_at, surface_table
@@ -178,7 +178,7 @@ def sample_lamp_light(block, workspace, lamp, pmf, u, u1, u2, u3):
             begin_light_ray(block, workspace, n, wi)
         to_point, t_max = shadow_ray(x, start, wi, distance)
         weight = mul(weight, transmittance(block, workspace, start, to_point, t_max, lights.blockers(block, lamp)))
-        if largest(weight) > 0.0:
+        if not is_zero(weight):
             record_scattering_lobes(block, workspace, wi, lamp)
             leave_to_light_paths(block, workspace, wi, lamp)
             contribute(
@@ -197,7 +197,7 @@ def sample_lamp_light(block, workspace, lamp, pmf, u, u1, u2, u3):
     if block.has_media:
         begin_light_ray(block, workspace, n, wi)
     radiance = visible_lamp(block, workspace, lamp, x, wi, spans, count, light_start(block, workspace, wi), u)
-    if largest(radiance) > 0.0:
+    if not is_zero(radiance):
         record_scattering_lobes(block, workspace, wi, lamp)
         leave_to_light_paths(block, workspace, wi, lamp)
         contribute(block, workspace, mul(weight, radiance), 1.0 / pdf_sum, lamp, path.bounce + 1)
@@ -236,7 +236,7 @@ def sample_direct_light(block, workspace):
             begin_light_ray(block, workspace, n, wi)
         to_light, t_max = shadow_ray(x, start, wi, distance)
         weight = mul(weight, transmittance(block, workspace, start, to_light, t_max, lights.blockers(block, emitter)))
-        if largest(weight) <= 0.0:
+        if is_zero(weight):
             return
     if lights.triangle_textured(block, emitter):
         radiance = shade_triangle(block, workspace, emitter, x, wi, distance)

@@ -14,6 +14,9 @@ from ..images import Texture
 from ..material import Attribute, Table
 from .variables import NORMAL
 
+WITHOUT_SURFACE = ("WORLD", "LIGHT", "VOLUME")
+"""Domains of nodes that are evaluated at no point of a surface."""
+
 
 def mean(vector: Vector) -> Formula:
     """Mean of the components; for three equal components it is exactly their value."""

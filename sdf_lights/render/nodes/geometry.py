@@ -10,7 +10,7 @@ from ...graph.formula import Formula, Vector, call, constant, length, select
 from ...graph.functions import Function
 from ..material import Attribute
 from . import lookups
-from .definition import NodeInputs, defines, mean
+from .definition import WITHOUT_SURFACE, NodeInputs, defines, mean
 from .projections import light_place
 from .variables import (
     BACKFACING,
@@ -27,20 +27,29 @@ from .variables import (
 
 FIRST_PARTICLE = 0xDC3D74F9 / 0xFFFFFFFF  # random number of particle 0
 ZERO = Vector(*[constant(0.0)] * 3)
+OF_OBJECTS = {"object", "instancer", "view_layer", "instancer_generated", "instancer_uv", "texture_space"}
+"""Kinds of attributes that have one value all over an object, so that points inside it have them, too."""
 
 
 def attribute(node: NodeInputs, found: Attribute, function: Function = lookups.ATTRIBUTE) -> tuple[Formula, ...]:
-    """Four numbers of an attribute at the point; worlds and lights have none."""
-    if node.setting("domain") in ("WORLD", "LIGHT"):
+    """Four numbers of an attribute at the point; worlds and lights have none, and volumes only those of objects."""
+    if (
+        node.setting("domain") in ("WORLD", "LIGHT")
+        or node.setting("domain") == "VOLUME"
+        and found.kind not in OF_OBJECTS
+    ):
         return (constant(0.0),) * 4
     return call(function, node.parameter(found), *BARYCENTRIC)[:4]
 
 
 def generated(node: NodeInputs) -> Vector:
     """Generated texture coordinates: the bounding box of the undeformed mesh is [0, 1]³. Lights have no mesh: theirs
-    are object coordinates, as in Cycles."""
+    are object coordinates, as in Cycles. Inside a mesh they are in the undeformed box, too."""
     if node.setting("domain") == "LIGHT":
         return in_object(node)
+    if node.setting("domain") == "VOLUME":
+        scale, offset = (as_vector(attribute(node, Attribute("texture_space", name))) for name in ("scale", "offset"))
+        return in_object(node) * scale + offset
     return as_vector(attribute(node, Attribute("generated")))
 
 
@@ -179,7 +188,7 @@ def geometry(node: NodeInputs):
         if domain == "WORLD" and node.setting("blender_version") >= (5, 2):
             results["Tangent"] = footprint_axes()[0]
         else:
-            results["Tangent"] = ZERO if domain in ("WORLD", "LIGHT") else radial_tangent(node)
+            results["Tangent"] = ZERO if domain in WITHOUT_SURFACE else radial_tangent(node)
     if "Pointiness" in node.wanted:
         results["Pointiness"] = attribute(node, Attribute("pointiness"))[0]
     if "Random Per Island" in node.wanted:
@@ -219,7 +228,7 @@ def attribute_node(node: NodeInputs):
                 "Alpha": numbers[3] if len(numbers) == 4 else constant(1.0),
             }
         return {"Color": ZERO, "Vector": ZERO, "Fac": constant(0.0), "Alpha": constant(1.0)}
-    if kind == "geometry" and not name:
+    if kind == "geometry" and (not name or node.setting("domain") == "VOLUME"):
         return {"Color": ZERO, "Vector": ZERO, "Fac": constant(0.0), "Alpha": constant(1.0)}
     function = lookups.ATTRIBUTE if kind == "geometry" else lookups.COLOR_ATTRIBUTE
     x, y, z, alpha, factor = call(function, node.parameter(Attribute(kind, name)), *BARYCENTRIC)
@@ -250,7 +259,7 @@ def wireframe(node: NodeInputs):
         # A pixel is ten steps. As in Cycles, its width is the mean of two axes of the surface, as the camera sees them.
         seen = [axis - INCOMING * axis.dot(INCOMING) for axis in footprint_axes()]
         size = size * BUMP_STEP * 5.0 * (seen[0].length() + seen[1].length())
-    if node.setting("domain") in ("WORLD", "LIGHT"):
+    if node.setting("domain") in WITHOUT_SURFACE:
         return {"Fac": constant(0.0)}
     (distance,) = call(lookups.WIREFRAME, *POSITION)
     return {"Fac": select(distance < 0.5 * abs(size), 1.0, 0.0)}
@@ -278,7 +287,7 @@ def hair_info(node: NodeInputs):
     for name in results:
         if name in node.wanted:
             results[name] = attribute(node, Attribute("strand", name.lower()))[0]
-    if node.setting("domain") in ("WORLD", "LIGHT"):
+    if node.setting("domain") in WITHOUT_SURFACE:
         return {**results, "Is Strand": constant(0.0), "Thickness": constant(0.0), "Tangent Normal": ZERO}
     older = node.setting("blender_version") < (5, 0)
     strand, thickness, x, y, z = call(lookups.UNSCALED_STRAND_INFO if older else lookups.STRAND_INFO)
@@ -294,7 +303,7 @@ def strand_random(place: Formula, otherwise: Formula) -> Formula:
 @defines("ShaderNodePointInfo")
 def point_info(node: NodeInputs):
     """All outputs, of point clouds; zero elsewhere."""
-    if node.setting("domain") in ("WORLD", "LIGHT"):
+    if node.setting("domain") in WITHOUT_SURFACE:
         return {"Position": ZERO, "Radius": constant(0.0), "Random": constant(0.0)}
     x, y, z, radius = call(lookups.POINT_INFO)
     random = attribute(node, Attribute("point", "random"))[0] if "Random" in node.wanted else constant(0.0)

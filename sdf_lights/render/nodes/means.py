@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Means of formulas over space, where only uniform values are supported."""
+"""Means of formulas over space, where one value must do."""
 
 from __future__ import annotations
 
@@ -46,7 +46,10 @@ class _Cube(Inputs):
         if not function.scene:
             return super().call(function, operands)
         if function.name == "attribute":
-            generated = getattr(self._place(operands[0]), "kind", "") == "generated"
+            found = self._place(operands[0])
+            if found == Attribute("texture_space", "scale"):
+                return (np.ones(_POINTS),) * function.results
+            generated = getattr(found, "kind", "") == "generated"
             return (*self._points, np.ones(_POINTS)) if generated else (np.zeros(_POINTS),) * function.results
         if function.name == "table":
             return self._table(function, operands)

@@ -7,7 +7,7 @@ from __future__ import annotations
 from ...graph.formula import Formula, Vector, call, constant, select
 from ...graph.functions import Function
 from ..kernels import probes
-from .definition import NodeInputs, defines
+from .definition import WITHOUT_SURFACE, NodeInputs, defines
 from .geometry import ZERO
 from .normals import unit_or
 from .variables import NORMAL, POSITION, as_vector
@@ -21,8 +21,8 @@ RAYCAST = [Function("raycast", probes.raycast, (local,), 10, scene=True, of_obje
 
 
 def _has_rays(node: NodeInputs) -> bool:
-    """Worlds and lights are no surfaces."""
-    return node.setting("domain") not in ("WORLD", "LIGHT")
+    """Worlds, lights and volumes are no surfaces."""
+    return node.setting("domain") not in WITHOUT_SURFACE
 
 
 @defines("ShaderNodeAmbientOcclusion")

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Homogeneous participating media, in the world and in meshes.
+"""Participating media, in the world and in meshes: homogeneous ones, and the means of others.
 
 A path through media carries the light of one channel of RGB, drawn where it begins, three times. So its extinction is
 one number, and distances to collisions are drawn by it: all that a ray meets before its collision counts in full.
@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..kernels.media.pack import is_only_a_bound
+from ..medium import some_varies
 from ..scene import OPEN_SET, Ray, Scene
 from .geometry import Geometry, Surface
 from .vectors import dot, to_world
@@ -23,6 +24,10 @@ class Media:
     """All media of a scene, one column for each of the world's and of those that an instance has by a material."""
 
     def __init__(self, scene: Scene, geometry: Geometry):
+        if some_varies(scene):
+            scene.warnings.append(
+                "The NumPy reference renders volumes that vary in space by their means: choose the CPU for them."
+            )
         self.geometry = geometry
         self.owners: list[int] = []
         media = []

@@ -11,7 +11,7 @@ import numpy as np
 from ....jit import call_part, kernel, table
 
 # Indices of the addresses, which are 0 in a scene without media.
-PLACES = BOUNDS, ENTER, SCATTER, SHADOW, LAMP, SEEN_LAMP = range(6)
+PLACES = BOUNDS, ENTER, SCATTER, SHADOW, LAMP, SEEN_LAMP, FADE = range(7)
 
 # Events of a path, or of a light ray that leaves it, at surfaces that bound media.
 BEGIN, ESCAPE, NOTE, CROSS, PASS, LOOK, LOOK_THROUGH = range(7)
@@ -36,6 +36,12 @@ def enter(block, workspace, length):
 def scatter(block, workspace):
     """See ``travel.scatter``."""
     return call_part(_code(block)[SCATTER], block, workspace, (0.0,), 1)[0] > 0.0
+
+
+@kernel
+def fade(block, workspace, distance):
+    """See ``travel.fade``."""
+    return call_part(_code(block)[FADE], block, workspace, (distance,), 3)
 
 
 @kernel

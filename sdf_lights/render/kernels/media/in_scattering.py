@@ -15,7 +15,7 @@ from .... import emitter as lamps
 from ....emitter.emission.varying import COLOUR_STACK, LANES, colours, density, place_colour
 from ....emitter.lamps import lamps as lamp_table
 from ....jit import kernel, stack_array
-from ....vec import add, average, dot, largest, length, madd, mul, scale, sub, vec
+from ....vec import add, average, dot, is_zero, largest, length, madd, mul, scale, sub, vec
 from ...scene import Ray
 from .. import lights
 from ..emission_graphs import NO_RAY, modulated
@@ -39,11 +39,11 @@ FEW_PAIRS = 2  # if the light was scattered before: most noise then has other so
 
 # Step between pairs: the powers of the root of x⁵ = x + 1 (Roberts 2018, "The unreasonable effectiveness of quasirandom
 # sequences").
-_STEPS = (0.8566748838545029, 0.7338918566271259, 0.6287067210378087, 0.5385972572236101)
+STEPS = (0.8566748838545029, 0.7338918566271259, 0.6287067210378087, 0.5385972572236101)
 
 
 @kernel
-def _shadow(block, workspace, emitter, x, wi, distance):
+def light_between(block, workspace, emitter, x, wi, distance):
     """The light (RGB) of an emitter at that distance that reaches the point x of the path's ray."""
     dispatch.bounds(block, workspace, dispatch.LOOK)
     to_light, t_max = shadow_ray(x, x, wi, distance)
@@ -90,11 +90,11 @@ def light_ray(block, workspace, ray_length):
     wi, distance, radiance, pdf, singular = lights.sample_light(block, emitter, x, BLACK, u[1], u[2])
     if pdf <= 0.0 or largest(radiance) <= 0.0:
         return
-    value, phase_density = phase(block, inside, dot(d, wi))
+    value, phase_density = phase(block, workspace, inside, dot(d, wi))
     weight = scale(mul(scattering, attenuation(extinction, place)), value / place_density)
     if lights.casts_shadow(block, emitter):
-        weight = mul(weight, _shadow(block, workspace, emitter, x, wi, distance))
-        if largest(weight) <= 0.0:
+        weight = mul(weight, light_between(block, workspace, emitter, x, wi, distance))
+        if is_zero(weight):
             return
     if lights.triangle_textured(block, emitter):
         radiance = shade_triangle(block, workspace, emitter, x, wi, distance)
@@ -117,12 +117,12 @@ def _light_by_lamp(block, workspace, lamp, pmf, start, ray_length, throughput, c
     origin = sub(start, vec(row.center))
     count = LANES if path.bounce == 0 else FEW_PAIRS
     for lane in range(count):
-        u1, u2, u3 = (u[0] + lane * _STEPS[0]) % 1.0, (u[1] + lane * _STEPS[1]) % 1.0, (u[2] + lane * _STEPS[2]) % 1.0
+        u1, u2, u3 = (u[0] + lane * STEPS[0]) % 1.0, (u[1] + lane * STEPS[1]) % 1.0, (u[2] + lane * STEPS[2]) % 1.0
         way = lamps.interior_offset(block, lamp, start, u1, u2, u3)
         near = dot(way, d)
         height = math.sqrt(max(dot(way, way) - near * near, 0.0))
         place, place_density = draw_distance(
-            extinction, ray_length, channel_pmf, near, height, (u[3] + lane * _STEPS[3]) % 1.0
+            extinction, ray_length, channel_pmf, near, height, (u[3] + lane * STEPS[3]) % 1.0
         )
         places[lane] = place
         places[LANES + lane], places[2 * LANES + lane], places[3 * LANES + lane] = way
@@ -141,7 +141,7 @@ def _light_by_lamp(block, workspace, lamp, pmf, start, ray_length, throughput, c
             weights[lane] = 0.0
             continue
         distance = math.sqrt(square)
-        value, _ = phase(block, inside, dot(to, d) / distance)
+        value, _ = phase(block, workspace, inside, dot(to, d) / distance)
         emission = density(block, row.glow, stack, lane) if row.glow >= 0 else vec(row.emission)
         light = mul(mul(throughput, emission), attenuation(extinction, places[lane] + distance))
         weights[lane] *= average(light) * value / square
@@ -165,6 +165,6 @@ def _light_by_lamp(block, workspace, lamp, pmf, start, ray_length, throughput, c
     if not by > 0.0:
         return
     x = madd(start, place, d)
-    shadow = _shadow(block, workspace, lamp, x, wi, distance)
-    if largest(shadow) > 0.0:
+    shadow = light_between(block, workspace, lamp, x, wi, distance)
+    if not is_zero(shadow):
         contribute(block, workspace, mul(seen, shadow), row.volume * total / (count * pmf * by), lamp, path.bounce + 1)

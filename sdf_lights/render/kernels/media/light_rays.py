@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from .... import emitter as lamps
 from ....jit import kernel
-from ....vec import add, largest, mul, vec
+from ....vec import add, is_zero, mul, vec
 from .. import lights
 from ..path import path_table
 from ..rays import TRANSPARENT_PLACES, beyond, intersect, ray_table
@@ -17,6 +17,30 @@ from .records import LIGHT_RAY, MOST_BOUNDS, bounds_table, inside_table
 from .stack import cross_hit, met_bounds
 
 WHITE = (1.0, 1.0, 1.0)
+
+
+@kernel
+def through(block, workspace, start, direction, t_from, t_to):
+    """Transmittance (RGB) of the media around a light ray between two distances."""
+    return attenuation(vec(inside_table(workspace)[LIGHT_RAY].extinction), t_to - t_from)
+
+
+@kernel
+def lamp_through(block, workspace, row, index, x, direction, count, t_from, t_to, u):
+    """``lamps.radiance`` of lamp ``index``, whose ``count`` intervals are in the workspace, through the media of this
+    row from ``t_from`` on."""
+    return lamps.attenuated_radiance(
+        block,
+        index,
+        x,
+        direction,
+        spans_of(workspace),
+        count,
+        t_from,
+        t_to,
+        u,
+        vec(inside_table(workspace)[row].extinction),
+    )
 
 
 @kernel
@@ -35,13 +59,13 @@ def _passed(block, workspace, direction, left):
 def shadow(block, workspace, x, y, z, dx, dy, dz, t_max, blockers):
     """``visibility.transmittance`` from (x, y, z) along (dx, dy, dz), if nothing opaque is in the way. ``stack.bounds``
     must know where the light ray begins."""
-    start, direction, inside = (x, y, z), (dx, dy, dz), inside_table(workspace)[LIGHT_RAY]
+    start, direction = (x, y, z), (dx, dy, dz)
     result, t_min, left, mask = WHITE, 0.0, surfaces_left(block, workspace), int(blockers) << TRANSPARENT_PLACES
     for _ in range(MOST_BOUNDS):
         found = block.transparent_shadows != 0 and intersect(block, workspace, start, direction, t_min, t_max, mask)
         t_to = float(ray_table(workspace)[0].t_far) if found else t_max
-        result = mul(result, attenuation(vec(inside.extinction), t_to - t_min))
-        if not found or largest(result) <= 0.0:
+        result = mul(result, through(block, workspace, start, direction, t_min, t_to))
+        if not found or is_zero(result):
             return result
         weight, left = _passed(block, workspace, direction, left)
         if left < 0:
@@ -56,7 +80,7 @@ def lamp(block, workspace, index, x, y, z, dx, dy, dz, count, start_x, start_y, 
     """``visibility.visible_lamp`` of lamp ``index``, whose ``count`` intervals are in the workspace."""
     position, direction, start = (x, y, z), (dx, dy, dz), (start_x, start_y, start_z)
     index, count, spans = int(index), int(count), spans_of(workspace)
-    inside, t_end = inside_table(workspace)[LIGHT_RAY], spans[count - 1, 0] + spans[count - 1, 1]
+    t_end = spans[count - 1, 0] + spans[count - 1, 1]
     mask = lights.blockers(block, index)
     if block.transparent_shadows:
         mask |= mask << TRANSPARENT_PLACES
@@ -64,17 +88,14 @@ def lamp(block, workspace, index, x, y, z, dx, dy, dz, count, start_x, start_y, 
     for _ in range(MOST_BOUNDS):
         found = intersect(block, workspace, start, direction, t_from, t_end, mask)
         t_to = float(ray_table(workspace)[0].t_far) if found else t_end
-        extinction = vec(inside.extinction)
-        radiance = lamps.attenuated_radiance(
-            block, index, position, direction, spans, count, t_from, t_to, u, extinction
-        )
+        radiance = lamp_through(block, workspace, LIGHT_RAY, index, position, direction, count, t_from, t_to, u)
         total = add(total, mul(weight, radiance))
         if not found or not block.transparent_shadows:
             break
-        weight = mul(weight, attenuation(extinction, t_to - t_from))
+        weight = mul(weight, through(block, workspace, position, direction, t_from, t_to))
         own, left = _passed(block, workspace, direction, left)
         weight = mul(weight, own)
-        if left < 0 or largest(weight) <= 0.0:
+        if left < 0 or is_zero(weight):
             break
         t_from = beyond(t_to)
     return total
@@ -84,16 +105,7 @@ def lamp(block, workspace, index, x, y, z, dx, dy, dz, count, start_x, start_y, 
 def seen_lamp(block, workspace, index, count, t_to, u):
     """``lamps.radiance`` of lamp ``index`` along the path's ray up to ``t_to``, through the present media of the
     path."""
-    path, spans = path_table(workspace)[0], spans_of(workspace)
-    return lamps.attenuated_radiance(
-        block,
-        int(index),
-        vec(path.origin),
-        vec(path.direction),
-        spans,
-        int(count),
-        path.t_min,
-        t_to,
-        u,
-        vec(inside_table(workspace)[0].extinction),
+    path = path_table(workspace)[0]
+    return lamp_through(
+        block, workspace, 0, int(index), vec(path.origin), vec(path.direction), int(count), path.t_min, t_to, u
     )

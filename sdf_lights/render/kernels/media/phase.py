@@ -40,30 +40,37 @@ def draw_cosine(g, u):
 
 
 @kernel
-def phase(block, inside, cosine):
+def part_weight(block, workspace, index):
+    """The scattering of a part: the weight of its phase function."""
+    return part_table(block)[index].weight
+
+
+@kernel
+def phase(block, workspace, inside, cosine):
     """Phase function of all media around a ray, and the density of ``sample_phase``; a cosine of 1 is straight on."""
     value, density, total = 0.0, 0.0, 0.0
     for entry in range(inside.count):
         medium = medium_table(block)[inside.medium[entry]]
         for index in range(medium.part_count):
             part = part_table(block)[medium.first_part + index]
+            weight = part_weight(block, workspace, medium.first_part + index)
             own = henyey_greenstein(cosine, part.g)
-            density += part.weight * own
-            value += part.weight * (own if part.alpha == 0.0 else draine(cosine, part.g, part.alpha))
-            total += part.weight
+            density += weight * own
+            value += weight * (own if part.alpha == 0.0 else draine(cosine, part.g, part.alpha))
+            total += weight
     if total <= 0.0:
         return 0.0, 0.0
     return value / total, density / total
 
 
 @kernel
-def sample_phase(block, inside, d, u1, u2, u3):
+def sample_phase(block, workspace, inside, d, u1, u2, u3):
     """A direction into which light along d is scattered; u3 chooses among phase functions."""
     total = 0.0
     for entry in range(inside.count):
         medium = medium_table(block)[inside.medium[entry]]
         for index in range(medium.part_count):
-            total += part_table(block)[medium.first_part + index].weight
+            total += part_weight(block, workspace, medium.first_part + index)
     left, g = u3 * total, 0.0
     for entry in range(inside.count):
         medium = medium_table(block)[inside.medium[entry]]
@@ -71,7 +78,7 @@ def sample_phase(block, inside, d, u1, u2, u3):
             part = part_table(block)[medium.first_part + index]
             if left >= 0.0:
                 g = part.g
-            left -= part.weight
+            left -= part_weight(block, workspace, medium.first_part + index)
     cosine = draw_cosine(g, u1)
     sine, phi = math.sqrt(max(1.0 - cosine * cosine, 0.0)), 2.0 * math.pi * u2
     t, b = frame(d)

@@ -41,11 +41,13 @@ def _settle(block, inside):
         inside.extinction[axis] = 0.0
         inside.scattering[axis] = 0.0
         inside.emission[axis] = 0.0
+    inside.varies = 0
     for entry in range(inside.count):
         medium = medium_table(block)[inside.medium[entry]]
         put_sum(inside.extinction, vec(medium.extinction))
         put_sum(inside.scattering, vec(medium.scattering))
         put_sum(inside.emission, vec(medium.emission))
+        inside.varies += int(medium.varies != NOTHING)
     inside.scatters = int(inside.scattering[0] > 0.0 or inside.scattering[1] > 0.0 or inside.scattering[2] > 0.0)
     inside.glows = int(inside.emission[0] > 0.0 or inside.emission[1] > 0.0 or inside.emission[2] > 0.0)
 

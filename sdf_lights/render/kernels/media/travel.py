@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 
 from ....jit import kernel
-from ....vec import largest, madd, mul, put, scale, vec
+from ....vec import is_zero, madd, mul, put, scale, vec
 from ...scene import Ray
 from ..outputs.state import scattered_in_medium
 from ..path import KEPT_RAY, MEDIA_SETS, NO_EMITTER, PHASE_SET, TRAVEL_SET, contribute, of_instance, path_table
@@ -25,11 +25,10 @@ BLACK = (0.0, 0.0, 0.0)
 
 
 @kernel
-def _add_glow(block, workspace, length):
+def add_glow(block, workspace, emission):
     """Add the emission of the media along the path's ray. As in Cycles, it belongs to the object whose medium the path
     has entered last."""
     path, inside = path_table(workspace)[0], inside_table(workspace)[0]
-    emission = mul(vec(inside.emission), gathered_rgb(vec(inside.extinction), length))
     owner = inside.owner[inside.count - 1]
     source = NO_EMITTER if owner == WORLD else of_instance(owner)
     contribute(block, workspace, emission, 1.0, source, path.bounce)
@@ -95,7 +94,7 @@ def _travel(block, workspace, length, may_scatter):
 
 
 @kernel
-def _can_find_light(block, path):
+def can_find_light(block, path):
     """Whether a path that is scattered here can find anything: lamps are left to light sampling."""
     last = path.bounce >= block.max_bounces or path.volume >= block.volume_bounces
     return block.emitters_hit != 0 or not last
@@ -109,14 +108,21 @@ def enter(block, workspace, length):
     """
     path, inside = path_table(workspace)[0], inside_table(workspace)[0]
     if inside.glows:
-        _add_glow(block, workspace, length)
+        add_glow(block, workspace, mul(vec(inside.emission), gathered_rgb(vec(inside.extinction), length)))
     if inside.scatters and not path.last:
         rays = ray_table(workspace)
         rays[KEPT_RAY] = rays[0]
         clear_self_primitive(rays[0])
         light_ray(block, workspace, length)
         rays[0] = rays[KEPT_RAY]
-    return 1.0 if _travel(block, workspace, length, not path.last and _can_find_light(block, path)) else 0.0
+    return 1.0 if _travel(block, workspace, length, not path.last and can_find_light(block, path)) else 0.0
+
+
+@kernel
+def fade(block, workspace, distance):
+    """Transmittance (RGB) of the present media along the path's ray up to a distance."""
+    path, inside = path_table(workspace)[0], inside_table(workspace)[0]
+    return attenuation(vec(inside.extinction), distance - path.t_min)
 
 
 @kernel
@@ -125,9 +131,9 @@ def scatter(block, workspace, unused):
     path, inside = path_table(workspace)[0], inside_table(workspace)[0]
     d = vec(path.direction)
     u = get_3d(path.index, path.seed, MEDIA_SETS + path.dimension + PHASE_SET)
-    wi = sample_phase(block, inside, d, u[0], u[1], u[2])
-    value, density = phase(block, inside, d[0] * wi[0] + d[1] * wi[1] + d[2] * wi[2])
-    if not density > 0.0 or largest(vec(path.throughput)) <= 0.0:
+    wi = sample_phase(block, workspace, inside, d, u[0], u[1], u[2])
+    value, density = phase(block, workspace, inside, d[0] * wi[0] + d[1] * wi[1] + d[2] * wi[2])
+    if not density > 0.0 or is_zero(vec(path.throughput)):
         return 0.0
     position = madd(vec(path.start), path.length, d)
     scattered_in_medium(block, workspace, 0)

@@ -45,6 +45,7 @@ from .material_records import (
     NO_GRAPH,
     NONE,
     PRINCIPLED,
+    VOLUME,
     WITH_ALPHA,
     WITH_BASE,
     WITH_COAT,
@@ -112,8 +113,12 @@ def pack_materials(scene) -> tuple[dict[str, np.ndarray], Graphs]:
         compiler.compile_emission(source.emission, record)
     if scene.world.aovs is not None:
         compiler.compile_world_aovs(scene.world.aovs, emissions[0])
+    volumes = np.zeros(1 + len(materials), VOLUME)
+    for record, owner in zip(volumes, (scene.world, *materials)):
+        compiler.compile_volume(owner, owner is scene.world, record)
     return {
         "emissions": emissions,
+        "volumes": volumes,
         "materials": records,
         "lobes": np.array(compiler.lobes or [(0, 0, 0, (0,) * len(PRINCIPLED))], LOBE),
         "aovs": np.array(compiler.aovs, AOV),
@@ -256,6 +261,24 @@ class _SceneCompiler:
             radiance = [constant(0.0)] * 3
         record["mean"] = typical(radiance, self.image_mean)
         graph, numbers = self.graphs.add(radiance)
+        record["graph"], record["slots"] = graph, self.block(numbers)
+
+    def compile_volume(self, owner, is_world: bool, record) -> None:
+        """A graph of the coefficients of a medium that varies in space; none if it does not."""
+        record["graph"] = NO_GRAPH
+        varying = owner.medium and owner.medium.varying
+        if not varying:
+            return
+        name = "World" if is_world else owner.name
+        values = Folding(self.numbers(Material(name, None, parameters=varying.parameters)))
+        roots = varying.roots()
+        try:
+            # The world is no object, of which formulas could read anything.
+            found = [values.fold(root) for root in (without_objects(tuple(roots)) if is_world else roots)]
+        except RecursionError:
+            self.warn(f"The volume of {name!r} has too many nodes to be compiled and is left out; simplify it.")
+            found = [constant(0.0)] * len(roots)
+        graph, numbers = self.graphs.add(found)
         record["graph"], record["slots"] = graph, self.block(numbers)
 
 

@@ -141,11 +141,16 @@ EMISSION = np.dtype(
 )
 
 
+# The graph of a medium that varies in space (``medium.Varying.roots``); NO_GRAPH: it does not.
+VOLUME = np.dtype([("graph", "i4"), ("slots", "i4")], align=True)
+
+
 NO_GRAPH = -1
 
 
 TABLES = {
     "emissions": EMISSION,
+    "volumes": VOLUME,  # of the world, then of each material
     "materials": MATERIAL,
     "lobes": LOBE,
     "aovs": AOV,

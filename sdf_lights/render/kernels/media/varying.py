@@ -1,0 +1,383 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The kernels of ``code_table.VARYING``: as in ``travel``, ``in_scattering`` and ``light_rays``, where media vary in
+space. Where none around a ray does, they call those.
+
+Light rays leave a medium from one place of the path's ray. If the medium is thin, the place is drawn from the means of
+the cells, or uniformly over the angle under which the light sees the ray (Kulla and Fajardo 2012), half and half. If it
+is dense, the place is a collision: only these follow the density inside of cells.
+"""
+
+from __future__ import annotations
+
+import math
+
+from .... import emitter as lamps
+from ....emitter.emission.varying import COLOUR_STACK, LANES, colours, density, place_colour
+from ....emitter.lamps import lamps as lamp_table
+from ....jit import kernel, specialised, stack_array
+from ....vec import average, dot, is_zero, largest, length, madd, mul, put, scale, sub, vec
+from ...scene import Ray
+from .. import lights
+from ..emission_graphs import NO_RAY, modulated
+from ..next_event import mis_applies, shade_triangle
+from ..outputs.state import LIGHT_RAY as LIGHT_RAY_OUTPUT
+from ..outputs.state import scattered_in_medium
+from ..path import KEPT_RAY, LIGHT_SET, MEDIA_SETS, PLACE_SET, contribute, path_table
+from ..ray_origins import clear_self_primitive
+from ..rays import ray_table
+from ..samplers import get_2d, get_4d
+from ..workspace import light_cut_of, spans_of
+from . import light_rays, travel
+from .beams import facing_density, facing_distance, view_angle
+from .cells import LOCAL_RAYS, SECTION, enter_cells, survey
+from .in_scattering import BLACK, FEW_PAIRS, NO_POINT, PAIRS, STEPS, light_between
+from .phase import phase, sample_phase
+from .point import (
+    FADE_SEED,
+    GLOW_SEED,
+    LAMP_SEED,
+    LIGHT_SEED,
+    SHADOW_SEED,
+    TRAVEL_SEED,
+    begin,
+    coefficients,
+    describe,
+    draw,
+    weight_here,
+)
+from .records import LIGHT_RAY, inside_table
+from .stack import receiver
+from .tracking import collide, faded, glow, transmittance
+
+VOLUME, SHADOW = int(Ray.VOLUME), int(Ray.SHADOW)
+WHITE = (1.0, 1.0, 1.0)
+THIN = 1.5  # optical depth up to which places follow the means of cells: weights stay below e to the power of this
+_CLOSEST = 1e-9  # as in ``beams``
+_LEAST_EXTINCTION = 1e-9
+NO_PLACE = -1.0
+
+phase_here = specialised(phase, "phase_here", part_weight=weight_here)
+sample_phase_here = specialised(sample_phase, "sample_phase_here", part_weight=weight_here)
+_scatter_here = specialised(travel.scatter, "scatter_here", phase=phase_here, sample_phase=sample_phase_here)
+
+
+@kernel
+def _draw_place(block, inside, rays, found, ray_length, total, near, height, u):
+    """A place on a ray of which a light is seen, and its density: ``height`` < 0: the light is not at one point.
+    ``total`` is S of ``cells.survey`` for the whole ray."""
+    if height < 0.0:
+        _, _, place, slope, _ = survey(block, inside, rays, found, ray_length, u * total, -1.0)
+        return place, slope / total
+    height = max(height, _CLOSEST * (1.0 + abs(near)))
+    angle = view_angle(near, height, ray_length)
+    if u < 0.5:
+        place = min(facing_distance(near, height, angle, 2.0 * u), ray_length)
+        _, _, _, slope, _ = survey(block, inside, rays, found, ray_length, -1.0, place)
+    else:
+        _, _, place, slope, _ = survey(block, inside, rays, found, ray_length, (2.0 * u - 1.0) * total, -1.0)
+    return place, 0.5 * (facing_density(near, height, angle, place) + slope / total)
+
+
+@kernel
+def _light_ray(block, workspace, rays, found, ray_length, depth, total):
+    """As ``in_scattering.light_ray``. ``depth`` and ``total`` are the optical depth and S of ``cells.survey``."""
+    path, inside = path_table(workspace)[0], inside_table(workspace)[0]
+    d = vec(path.direction)
+    start = madd(vec(path.start), path.t_min, d)
+    u = get_4d(path.index, path.seed, MEDIA_SETS + path.dimension + LIGHT_SET)
+    v = get_2d(path.index, path.seed, MEDIA_SETS + path.dimension + PLACE_SET)
+    number = receiver(block, inside)
+    extinction = depth / ray_length
+    if ray_length == math.inf:
+        _, _, half, _, _ = survey(block, inside, rays, found, ray_length, 0.5 * total, -1.0)
+        extinction = math.log(2.0) / half if half > 0.0 else _LEAST_EXTINCTION
+    extinction = max(extinction, _LEAST_EXTINCTION)
+    emitter, pmf, _, finite, center = lights.select_along(block, number, start, d, ray_length, extinction, u[0])
+    if not pmf > 0.0 or lights.visibility(block, emitter) & VOLUME == 0:
+        return
+    if not lights.may_light(block, emitter, path.bounce):
+        return
+    begin(workspace, LIGHT_SEED)
+    place, weight = NO_PLACE, WHITE
+    if depth > THIN:
+        place, weight = collide(block, workspace, inside, start, d, ray_length, WHITE, rays, found)
+        if place < 0.0:
+            return
+    scattered_in_medium(block, workspace, LIGHT_RAY_OUTPUT)
+    if emitter < block.lamp_count:
+        _light_by_lamp(
+            block,
+            workspace,
+            emitter,
+            pmf,
+            start,
+            ray_length,
+            rays,
+            found,
+            extinction,
+            total,
+            place,
+            weight,
+            (u[1], u[2], u[3], v[0]),
+            v[1],
+        )
+        return
+    by = 1.0
+    if place < 0.0:
+        near, height = 0.0, NO_POINT
+        if finite:
+            target = sub(center, start)
+            x = madd(start, min(max(dot(target, d), 0.0), ray_length), d)
+            wi, distance, _, pdf, _ = lights.sample_light(block, emitter, x, BLACK, u[1], u[2])
+            if pdf > 0.0 and distance < math.inf:
+                target = sub(madd(x, distance, wi), start)
+            near = dot(target, d)
+            height = math.sqrt(max(dot(target, target) - near * near, 0.0))
+        place, by = _draw_place(block, inside, rays, found, ray_length, total, near, height, v[0])
+        if not by > 0.0:
+            return
+    x = madd(start, place, d)
+    wi, distance, radiance, pdf, singular = lights.sample_light(block, emitter, x, BLACK, u[1], u[2])
+    if pdf <= 0.0 or largest(radiance) <= 0.0:
+        return
+    if depth <= THIN:
+        weight = _reach(block, workspace, inside, start, d, place, rays, found)
+    value, phase_density = phase_here(block, workspace, inside, dot(d, wi))
+    weight = scale(weight, value / by)
+    if is_zero(weight):
+        return
+    if lights.casts_shadow(block, emitter):
+        weight = mul(weight, light_between(block, workspace, emitter, x, wi, distance))
+        if is_zero(weight):
+            return
+    if lights.triangle_textured(block, emitter):
+        radiance = shade_triangle(block, workspace, emitter, x, wi, distance)
+    elif block.emission_graphs:
+        radiance = modulated(block, workspace, emitter, radiance, x, wi, distance, NO_RAY)
+    own = 1.0
+    if not singular and mis_applies(block, emitter):
+        # Phase function rays ask at x, too; the selection of the emitter is for the whole ray.
+        at_x = pdf * lights.selection_probability(block, number, x, BLACK, emitter, light_cut_of(workspace))
+        own = at_x / (at_x + phase_density)
+    contribute(block, workspace, mul(weight, radiance), own / (pmf * pdf), emitter, path.bounce + 1)
+
+
+@kernel
+def _reach(block, workspace, inside, start, d, place, rays, found):
+    """The part of the light (RGB, 1/m) that a medium scatters at a place of the path's ray and that reaches its start;
+    and the weights of the phase functions there, in the workspace."""
+    describe(workspace, d, path_table(workspace)[0].kind)
+    part = faded(block, workspace, inside, start, d, place, rays, found)
+    scattering, _, _ = coefficients(block, workspace, inside, madd(start, place, d))
+    return mul(scattering, part)
+
+
+@kernel
+def _light_by_lamp(
+    block,
+    workspace,
+    lamp,
+    pmf,
+    start,
+    ray_length,
+    rays,
+    found,
+    extinction,
+    total_scattering,
+    collision,
+    weight,
+    u,
+    choice,
+):
+    """As ``in_scattering._light_by_lamp``: from one place, if the distance ``collision`` is not negative, which the
+    path's light reaches with the ``weight``."""
+    path, inside = path_table(workspace)[0], inside_table(workspace)[0]
+    row, d = lamp_table(block)[lamp], vec(path.direction)
+    places, weights, stack = stack_array(PAIRS), stack_array(LANES), stack_array(COLOUR_STACK)
+    origin = sub(start, vec(row.center))
+    count = LANES if path.bounce == 0 else FEW_PAIRS
+    for lane in range(count):
+        u1, u2, u3 = (u[0] + lane * STEPS[0]) % 1.0, (u[1] + lane * STEPS[1]) % 1.0, (u[2] + lane * STEPS[2]) % 1.0
+        way = lamps.interior_offset(block, lamp, start, u1, u2, u3)
+        place, by = collision, 1.0
+        if collision < 0.0:
+            near = dot(way, d)
+            height = math.sqrt(max(dot(way, way) - near * near, 0.0))
+            v = (u[3] + lane * STEPS[3]) % 1.0
+            place, by = _draw_place(block, inside, rays, found, ray_length, total_scattering, near, height, v)
+        places[lane] = place
+        places[LANES + lane], places[2 * LANES + lane], places[3 * LANES + lane] = way
+        weights[lane] = 1.0 / by if by > 0.0 else 0.0
+        if row.glow >= 0:
+            place_colour(block, row.glow, madd(origin, 1.0, way), lane, stack)
+    if row.glow >= 0:
+        for lane in range(count, LANES):
+            place_colour(block, row.glow, origin, lane, stack)
+        colours(block, row.glow, stack)
+    total = 0.0
+    for lane in range(count):
+        to = madd((places[LANES + lane], places[2 * LANES + lane], places[3 * LANES + lane]), -places[lane], d)
+        square = dot(to, to)
+        if not square > 0.0:
+            weights[lane] = 0.0
+            continue
+        emission = density(block, row.glow, stack, lane) if row.glow >= 0 else vec(row.emission)
+        # An estimate is enough: what is chosen by it is divided by it.
+        far = places[lane] if collision < 0.0 else 0.0
+        weights[lane] *= average(emission) * math.exp(-min(extinction * far, THIN)) / square
+        total += weights[lane]
+    if not 0.0 < total < math.inf:
+        return
+    left, chosen = choice * total, 0
+    while chosen < count - 1 and left >= weights[chosen]:
+        left -= weights[chosen]
+        chosen += 1
+    if not weights[chosen] > 0.0:
+        return
+    place = places[chosen]
+    to = madd((places[LANES + chosen], places[2 * LANES + chosen], places[3 * LANES + chosen]), -place, d)
+    distance = length(to)
+    wi = scale(to, 1.0 / distance)
+    emission = density(block, row.glow, stack, chosen) if row.glow >= 0 else vec(row.emission)
+    far = place if collision < 0.0 else 0.0
+    by = average(emission) * math.exp(-min(extinction * far, THIN))
+    if not by > 0.0:
+        return
+    if collision < 0.0:
+        weight = _reach(block, workspace, inside, start, d, place, rays, found)
+    value, _ = phase_here(block, workspace, inside, dot(wi, d))
+    x = madd(start, place, d)
+    weight = scale(mul(weight, light_between(block, workspace, lamp, x, wi, distance)), value)
+    if not is_zero(weight):
+        contribute(
+            block, workspace, mul(weight, emission), row.volume * total / (count * pmf * by), lamp, path.bounce + 1
+        )
+
+
+@kernel
+def enter_varying(block, workspace, ray_length):
+    """As ``travel.enter``."""
+    path, inside = path_table(workspace)[0], inside_table(workspace)[0]
+    if inside.varies == 0:
+        return travel.enter(block, workspace, ray_length)
+    rays, found = stack_array(LOCAL_RAYS), stack_array(SECTION)
+    d = vec(path.direction)
+    start = madd(vec(path.start), path.t_min, d)
+    describe(workspace, d, path.kind)
+    enter_cells(block, workspace, inside, start, d, ray_length, rays)
+    depth, total, _, _, glows = survey(block, inside, rays, found, ray_length, -1.0, -1.0)
+    if glows:
+        begin(workspace, GLOW_SEED)
+        travel.add_glow(block, workspace, glow(block, workspace, inside, start, d, ray_length, rays, found))
+    scatters = 0.0 < total < math.inf
+    if scatters and not path.last:
+        kept = ray_table(workspace)
+        kept[KEPT_RAY] = kept[0]
+        clear_self_primitive(kept[0])
+        _light_ray(block, workspace, rays, found, ray_length, depth, total)
+        kept[0] = kept[KEPT_RAY]
+    begin(workspace, TRAVEL_SEED)
+    describe(workspace, d, path.kind)  # light rays have described theirs
+    throughput = vec(path.throughput)
+    if not scatters or path.last or not travel.can_find_light(block, path):
+        put(path.throughput, mul(throughput, faded(block, workspace, inside, start, d, ray_length, rays, found)))
+        return 0.0
+    place, throughput = collide(block, workspace, inside, start, d, ray_length, throughput, rays, found)
+    put(path.throughput, throughput)
+    if place < 0.0:
+        return 0.0
+    path.length = path.t_min + place
+    return 1.0
+
+
+@kernel
+def scatter_varying(block, workspace, unused):
+    """As ``travel.scatter``."""
+    path, inside = path_table(workspace)[0], inside_table(workspace)[0]
+    if inside.varies == 0:
+        return travel.scatter(block, workspace, unused)
+    # Other branches may have been elsewhere since the collision.
+    d = vec(path.direction)
+    describe(workspace, d, path.kind)
+    coefficients(block, workspace, inside, madd(vec(path.start), path.length, d))
+    return _scatter_here(block, workspace, unused)
+
+
+@kernel
+def fade_varying(block, workspace, distance):
+    """As ``travel.fade``."""
+    path, inside = path_table(workspace)[0], inside_table(workspace)[0]
+    if inside.varies == 0:
+        return travel.fade(block, workspace, distance)
+    begin(workspace, FADE_SEED)
+    start, d = vec(path.origin), vec(path.direction)
+    return transmittance(block, workspace, inside, start, d, path.t_min, distance, path.kind)
+
+
+@kernel
+def _through(block, workspace, start, direction, t_from, t_to):
+    """As ``light_rays.through``."""
+    inside = inside_table(workspace)[LIGHT_RAY]
+    if inside.varies == 0:
+        return light_rays.through(block, workspace, start, direction, t_from, t_to)
+    return transmittance(block, workspace, inside, start, direction, t_from, t_to, SHADOW)
+
+
+@kernel
+def _lamp_through(block, workspace, row, index, x, direction, count, t_from, t_to, u):
+    """As ``light_rays.lamp_through``: from one point of the lamp."""
+    inside, spans = inside_table(workspace)[row], spans_of(workspace)
+    if inside.varies == 0:
+        return light_rays.lamp_through(block, workspace, row, index, x, direction, count, t_from, t_to, u)
+    total = 0.0
+    for span in range(count):
+        c, h = spans[span, 0], spans[span, 1]
+        total += max(min(c + h, t_to) - max(c - h, t_from), 0.0)
+    if not total > 0.0:
+        return BLACK
+    left, t = draw(workspace) * total, t_from
+    for span in range(count):
+        c, h = spans[span, 0], spans[span, 1]
+        first = max(c - h, t_from)
+        own = min(c + h, t_to) - first
+        if own > 0.0 and left >= 0.0:
+            t = first + min(left, own)
+            left -= own
+    lamp = lamp_table(block)[index]
+    emission = vec(lamp.emission)
+    if lamp.glow >= 0:
+        stack = stack_array(COLOUR_STACK)
+        offset = sub(madd(x, t, direction), vec(lamp.center))
+        for lane in range(LANES):
+            place_colour(block, lamp.glow, offset, lane, stack)
+        colours(block, lamp.glow, stack)
+        emission = density(block, lamp.glow, stack, 0)
+    kind = SHADOW if row == LIGHT_RAY else path_table(workspace)[0].kind
+    return scale(mul(emission, transmittance(block, workspace, inside, x, direction, t_from, t, kind)), total)
+
+
+_shadow = specialised(light_rays.shadow, "shadow_through", through=_through)
+_lamp = specialised(light_rays.lamp, "lamp_between", through=_through, lamp_through=_lamp_through)
+_seen_lamp = specialised(light_rays.seen_lamp, "seen_lamp_through", lamp_through=_lamp_through)
+
+
+@kernel
+def shadow_varying(block, workspace, x, y, z, dx, dy, dz, t_max, blockers):
+    """As ``light_rays.shadow``."""
+    begin(workspace, SHADOW_SEED)
+    return _shadow(block, workspace, x, y, z, dx, dy, dz, t_max, blockers)
+
+
+@kernel
+def lamp_varying(block, workspace, index, x, y, z, dx, dy, dz, count, start_x, start_y, start_z, u):
+    """As ``light_rays.lamp``."""
+    begin(workspace, LAMP_SEED)
+    return _lamp(block, workspace, index, x, y, z, dx, dy, dz, count, start_x, start_y, start_z, u)
+
+
+@kernel
+def seen_lamp_varying(block, workspace, index, count, t_to, u):
+    """As ``light_rays.seen_lamp``."""
+    begin(workspace, LAMP_SEED)
+    return _seen_lamp(block, workspace, index, count, t_to, u)
