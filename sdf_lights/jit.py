@@ -341,13 +341,14 @@ def dispatched(link, cases: list[dict], last):
     return last
 
 
-def table(name: str, dtype):
-    """``view(block)``, for kernels: the 1-D array of ``dtype`` that ``block[name + "_address"]`` points at.
+def table(name: str, dtype, columns: int = 0):
+    """``view(block)``, for kernels: the array of ``dtype`` that ``block[name + "_address"]`` points at; 1-D, or rows of
+    so many ``columns``.
 
     A block is one NumPy record with the address and length of every array of a scene. So kernels pass one word instead
     of seven for each array, and never touch a reference count shared by threads.
     """
-    view = _Intrinsic("table", name, dtype)
+    view = _Intrinsic("table", name, dtype, columns)
     view.table_name, view.table_dtype = name, np.dtype(dtype) if dtype is not None else None
     return view
 

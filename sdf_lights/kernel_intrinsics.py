@@ -227,8 +227,8 @@ def stack_array(typingctx, count):
     return array_type(count), codegen
 
 
-def table(name: str, dtype):
-    """Intrinsic that returns the 1-D array of ``jit.table``."""
+def table(name: str, dtype, columns: int = 0):
+    """Intrinsic that returns the array of ``jit.table``."""
 
     def read(context, builder, signature, arguments, field):
         block_type = signature.args[0]
@@ -238,7 +238,7 @@ def table(name: str, dtype):
     @intrinsic
     def view(typingctx, block):
         # An intrinsic, because a compiled function for each table would cost a tenth of all compile time.
-        array_type = types.Array(from_dtype(np.dtype(dtype)), 1, "C")
+        array_type = types.Array(from_dtype(np.dtype(dtype)), 2 if columns else 1, "C")
 
         def codegen(context, builder, signature, arguments):
             address = read(context, builder, signature, arguments, name + "_address")
@@ -247,7 +247,11 @@ def table(name: str, dtype):
             element = context.get_data_type(array_type.dtype)
             data = builder.inttoptr(address, element.as_pointer())
             size = context.get_constant(types.intp, context.get_abi_sizeof(element))
-            populate_array(array, data=data, shape=[count], strides=[size], itemsize=size, meminfo=None)
+            shape, strides = [count], [size]
+            if columns:
+                width = context.get_constant(types.intp, columns)
+                shape, strides = [builder.udiv(count, width), width], [builder.mul(size, width), size]
+            populate_array(array, data=data, shape=shape, strides=strides, itemsize=size, meminfo=None)
             return array._getvalue()
 
         return array_type(block), codegen

@@ -34,7 +34,7 @@ WORKSPACE_TABLES = {
 # ``secondary`` is a second workspace for shading the hit of a light ray while the path's own surface waits.
 WORKSPACE = block_dtype({**WORKSPACE_TABLES, "secondary": None})
 
-span_table = table("spans", np.float64)
+_rows_of_spans = table("spans", np.float64, 2)
 hit_table = table("light_hits", lights.HIT)
 secondary_table = table("secondary", WORKSPACE)
 region_table = table("lamp_regions", cuts.KEYS)
@@ -46,8 +46,7 @@ cut_table = table("lamp_cuts", cuts.CUT)
 @kernel
 def spans_of(workspace):
     """Scratch rows (c, h) for the intervals of a lamp along a ray."""
-    flat = span_table(workspace)
-    return flat.reshape(len(flat) // 2, 2)
+    return _rows_of_spans(workspace)
 
 
 @replaced_on_gpu
