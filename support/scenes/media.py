@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from sdf_lights.graph.formula import Formula, Vector, constant, exp, minimum
+from sdf_lights.graph.formula import Formula, Vector, constant, exp, minimum, sin
 from sdf_lights.render.lights.area import AreaLight
 from sdf_lights.render.lights.point import PointLight, SpotLight
 from sdf_lights.render.lights.sun import SunLight
@@ -22,6 +22,8 @@ from .meshes import box, sphere
 from .room import GREY, HEIGHT, WIDTH, add, camera, diffuse, material, room, settings, torus_lamp
 
 ONE = minimum(exp(abs(POSITION.x)), 1.0)  # everywhere, but no program can know
+WAVES = 1.0 + sin(7.0 * POSITION.x) * sin(6.0 * POSITION.y) * sin(5.0 * POSITION.z)
+THINNING = exp(-1.5 * POSITION.z)  # with height
 CLEAR = Node("transparent", {"color": (1.0, 1.0, 1.0)})
 
 
@@ -152,4 +154,23 @@ def linked_media(width: int = WIDTH, height: int = HEIGHT) -> Scene:
     return scene
 
 
+def varying_smoke(width: int = WIDTH, height: int = HEIGHT) -> Scene:
+    """One lamp in front of a ball of smoke that comes in waves, in a room."""
+    scene = room(width, height, max_bounces=1)
+    puff = Medium(
+        (0.1, 0.3, 0.5), (Scattering((1.2, 0.9, 0.7), 0.5), Scattering((0.2, 0.2, 0.4), 0.0, 1.0)), (0.1,) * 3
+    )
+    smoke = Material("smoke", CLEAR, medium=varying(puff, WAVES))
+    scene.meshes.append(sphere("ball", 16, 8, smooth=False))
+    add(scene, 3, translation(0.3, 0.2, 1.2) @ scaling(0.8, 0.8, 0.8), smoke)
+    scene.lamps.append(torus_lamp(-0.6, 0.0, 2.0, 40.0, 0.6))
+    return scene
+
+
+def thinning_fog(width: int = WIDTH, height: int = HEIGHT) -> Scene:
+    """One lamp in fog that is thinner with height, and has no end below."""
+    return with_varying_media(fog_lamp(width, height), THINNING)
+
+
+VARYING_SCENES = {builder.__name__: builder for builder in (varying_smoke, thinning_fog)}
 MEDIA_SCENES = {builder.__name__: builder for builder in (smoke, haze, fog_lamp, submerged, linked_media)}

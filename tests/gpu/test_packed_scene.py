@@ -12,11 +12,14 @@ import pytest
 from sdf_lights import jit
 from sdf_lights.render import motion
 from sdf_lights.render.film import Film
+from sdf_lights.render.gpu import thread_arrays
 from sdf_lights.render.gpu.packed_scene import GpuScene
 from sdf_lights.render.kernels import media, subsurface
+from sdf_lights.render.medium import Medium, Scattering
 from sdf_lights.render.scene import Primitive
 from support import scenes
-from support.scenes.media import MEDIA_SCENES
+from support.scenes import media as media_scenes
+from support.scenes.media import MEDIA_SCENES, VARYING_SCENES
 from support.scenes.strands import fur
 
 pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installed")
@@ -50,6 +53,33 @@ def test_media_alone():
     found = kernels(SCENES["fog_lamp"](8, 6))
     assert {"stack_bounds", "travel_enter", "in_scattering_light_ray"} <= found
     assert not found & {"walk_walk", "disk_scatter", "exits_emerge"}
+
+
+def test_media_that_vary():
+    """Only they have the code for it, and only a world that varies has sections of rays."""
+    varying = re.compile(r"point|cells|tracking|varying")
+    assert not [name for name in kernels(SCENES["smoke"](8, 6)) if varying.match(name)]
+    smoke, fog = (kernels(VARYING_SCENES[name](8, 6)) for name in ("varying_smoke", "thinning_fog"))
+    assert {"point_evaluate", "cells_section", "tracking_faded"} <= smoke & fog
+    unused = scenes.torus_room(8, 6)
+    unused.materials += VARYING_SCENES["varying_smoke"](8, 6).materials
+    assert kernels(unused) == set()
+    assert "in_scattering_light_ray" not in smoke | fog  # where all media vary
+    assert "cells_plan_world" in fog and "cells_plan_world" not in smoke
+
+
+def test_graphs_of_media_run_beside_those_of_surfaces():
+    """In a second workspace, which has no code for the others; and the registers of both are variables."""
+    scene = SCENES["textured"](8, 6)
+    parts = (Scattering((0.1, 0.2, 0.3)), Scattering((0.1, 0.1, 0.1), 0.5))
+    scene.world.medium = media_scenes.varying(Medium((0.0, 0.0, 0.1), parts), media_scenes.THINNING)
+    packed = GpuScene(scene, Film(scene, ()))
+    assert packed.graphs.registers() > thread_arrays.SHORT
+    source = packed.source()
+    surfaces, volumes = (set(re.findall(rf"case (\d+): {prefix}graph_\d+\(", source)) for prefix in ("", "secondary_"))
+    assert len(surfaces) > 0 and len(volumes) == 1 and not surfaces & volumes
+    read = re.findall(r"return vec3\(point_amount\((\w+)\[", source)
+    assert set(read) == {"secondary_registers_rows"}
 
 
 def test_each_method_below_surfaces_alone():

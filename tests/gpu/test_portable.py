@@ -13,11 +13,11 @@ from sdf_lights.render.film import Film
 from sdf_lights.render.gpu import thread_arrays
 from sdf_lights.render.gpu.packed_scene import GpuScene
 from support import scenes
-from support.scenes.media import MEDIA_SCENES
+from support.scenes.media import MEDIA_SCENES, VARYING_SCENES
 
 pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installed")
 
-SCENES = scenes.SCENES | MEDIA_SCENES
+SCENES = scenes.SCENES | MEDIA_SCENES | VARYING_SCENES
 
 
 def program(name: str, **settings) -> str:
@@ -38,7 +38,7 @@ def complaints(source: str, path) -> tuple[int, list[str]]:
     return told.returncode, [line for line in told.stdout.splitlines() if line.startswith(("ERROR", "WARNING"))]
 
 
-@pytest.mark.parametrize("name", ["transparent", "field_lamps", "shadow_catcher", "environment"])
+@pytest.mark.parametrize("name", ["transparent", "field_lamps", "shadow_catcher", "environment", "thinning_fog"])
 def test_no_name_is_reserved(name):
     # NVIDIA's compiler takes two underscores in succession for an error, Mesa's does not.
     assert re.findall(r"\b\w*__\w*", program(name)) == []
@@ -50,11 +50,11 @@ def test_the_reference_compiler_has_no_complaint(name, tmp_path):
     assert complaints(program(name), tmp_path / "program.comp") == (0, [])
 
 
-@pytest.mark.parametrize("name", ["torus_room", "field_lamps"])
+@pytest.mark.parametrize("name", ["torus_room", "field_lamps", "thinning_fog"])
 def test_long_arrays_are_in_a_buffer(name, tmp_path):
     """With direct light alone there are the arrays of cuts, too."""
     source = program(name, max_bounces=0)
-    lengths = [int(count) for count in re.findall(r"^float \w+\[(\d+)\];", source, re.MULTILINE)]
+    lengths = [int(count) for count in re.findall(r"^float (?!\w*registers)\w+\[(\d+)\];", source, re.MULTILINE)]
     assert lengths and max(lengths) <= thread_arrays.SHORT
     assert "own_floats[OWN(" in source and "own_ints[OWN(" in source
     assert complaints(source, tmp_path / "program.comp") == (0, [])

@@ -11,12 +11,12 @@ import pytest
 
 from sdf_lights.graph.formula import Vector, constant, exp, log, select, sin
 from sdf_lights.render.film import Film
-from sdf_lights.render.gpu.device import DeviceError
-from sdf_lights.render.gpu.packed_scene import GpuScene
 from sdf_lights.render.kernels.media import grids
 from sdf_lights.render.material import Material
 from sdf_lights.render.medium import Medium, Scattering
 from sdf_lights.render.nodes.variables import POSITION
+from sdf_lights.render.reference import varying_media
+from sdf_lights.render.reference.renderer import ReferenceRenderer
 from sdf_lights.render.scene import Ray, Scene, World
 from support.scenes import media
 from support.scenes.matrices import scaling, translation
@@ -27,7 +27,6 @@ from tests.render.test_agreement import WITH_MEDIA, agree, pictures
 pytest.importorskip("numba")
 
 FOG = 0.4 * exp(-1.5 * POSITION.z)  # 1/m
-WAVES = 1.0 + sin(7.0 * POSITION.x) * sin(6.0 * POSITION.y) * sin(5.0 * POSITION.z)
 
 
 def cpu(*arguments):
@@ -136,7 +135,7 @@ def test_formulas_of_one_value_are_a_homogeneous_medium_closely(name):
 @pytest.mark.slow
 def test_majorants_that_are_too_small_only_add_noise(monkeypatch):
     def make(*size):
-        return media.with_varying_media(media.smoke(*size), WAVES)
+        return media.with_varying_media(media.smoke(*size), media.WAVES)
 
     right = pictures(cpu, make, 8, WITH_MEDIA)
     monkeypatch.setattr(grids, "MARGIN", -0.2)
@@ -165,7 +164,33 @@ def test_bad_coefficients_neither_last_nor_spread(name):
         assert found[:, :, :].mean() < 0.05
 
 
-def test_a_gpu_leaves_them_to_the_cpu():
-    scene = media.with_varying_media(media.fog_lamp(16, 12))
-    with pytest.raises(DeviceError, match="vary in space"):
-        GpuScene(scene, Film(scene, ("Combined",)))
+def test_coefficients_of_almost_nothing_leave_pictures_finite():
+    """High above the fog they are less than the reciprocal of the greatest number."""
+    scene = media.with_varying_media(media.fog_lamp(32, 24), FOG)
+    scene.settings.seed = 100
+    found = rendered(scene, 32)
+    assert np.isfinite(found).all()
+    scene = media.with_varying_media(media.fog_lamp(32, 24), 1e-315 * media.ONE)
+    assert np.isfinite(rendered(scene, 32)).all()
+
+
+@pytest.mark.parametrize("name", media.VARYING_SCENES)
+def test_path_tracer_agrees_with_reference(name):
+    make = media.VARYING_SCENES[name]
+    agree(pictures(cpu, make, 8, WITH_MEDIA), pictures(ReferenceRenderer, make, 8, WITH_MEDIA), WITH_MEDIA)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", media.MEDIA_SCENES)
+def test_path_tracer_agrees_with_reference_where_all_media_vary(name):
+    def make(*size):
+        return media.with_varying_media(media.MEDIA_SCENES[name](*size), media.WAVES)
+
+    agree(pictures(cpu, make, 4, WITH_MEDIA), pictures(ReferenceRenderer, make, 4, WITH_MEDIA), WITH_MEDIA)
+
+
+@pytest.mark.parametrize("name", media.VARYING_SCENES)
+def test_majorants_of_the_reference_that_are_too_small_only_add_noise(name, monkeypatch):
+    make = media.VARYING_SCENES[name]
+    monkeypatch.setattr(varying_media, "MARGIN", -0.4)
+    agree(pictures(cpu, make, 4, WITH_MEDIA), pictures(ReferenceRenderer, make, 4, WITH_MEDIA), WITH_MEDIA)

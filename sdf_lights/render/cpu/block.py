@@ -91,11 +91,9 @@ class PackedScene:
         self.update_camera(scene, film)
         self._pack_motion(scene)
         if some_varies(scene):
-            width = float((self.bounds()[1] - self.bounds()[0]).max())
-            step = media_grids.STEP * max(width, 1.0)
             workspace = Workspace(self)  # owns the memory of its block
             grids = media_grids.fill_grids(scene, self.block, workspace.block, self._tables)
-            self._fill(grids, {"media_step": step})
+            self._fill(grids, {"media_step": media_grids.least_section(*self._boxes)})
         # A name that no module declares, or one without its table, is a bug in this file.
         assert self._tables.keys() == TABLES.keys(), self._tables.keys() ^ TABLES.keys()
         if catches:

@@ -6,20 +6,25 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from ...graph import codegen_glsl
 from ...graph.formula import Formula
 from ...graph.functions import Function
+from ..kernels.shading.material_records import NO_GRAPH
 from ..kernels.shading.records import SURFACE, VARIABLE_FIELDS
 from .translate import BLOCK, FLOAT, INT, Native, Translator, Tuple, Value, known
 from .translate.values import CONSTANT, safe_name
 
 
 class GraphSource:
-    """Writes the graphs that a program runs. ``native`` represents the kernel that runs them."""
+    """Writes the graphs that a program runs. ``native`` represents the kernel that runs them. ``volumes``: which of
+    them are those of volumes alone; a workspace in which others run has no code for these, and the other way round."""
 
-    def __init__(self, structures: Sequence[tuple[Formula, ...]]):
-        self._structures = structures
+    def __init__(self, structures: Sequence[tuple[Formula, ...]], volumes: frozenset[int] = frozenset()):
+        self._structures, self._volumes = structures, volumes
         self._scopes: dict[str, object] = {}  # prefix of a workspace's names -> that workspace
+        self._run: dict[str, set[int]] = {}  # and the graphs that run there
 
     @property
     def native(self) -> Native:
@@ -29,6 +34,11 @@ class GraphSource:
             _, workspace, graph, slots = arguments
             scope = workspace.constant
             self._scopes[scope.prefix] = scope
+            everything = frozenset(range(len(self._structures)))
+            called = everything if graph.possible is None else graph.possible & everything
+            for group in (self._volumes, everything - self._volumes):
+                if called & group:
+                    self._run.setdefault(scope.prefix, set()).update(group)
             texts = [function.converted(value, INT).text for value in (graph, slots)]
             return Value(None, f"{scope.prefix}run_graph({', '.join(texts)})")
 
@@ -48,7 +58,8 @@ class GraphSource:
         parts, helpers = [], set()
         for prefix, scope in list(self._scopes.items()):
             cases = []
-            for index, structure in enumerate(self._structures):
+            for index in sorted(self._run.get(scope.prefix, ())):
+                structure = self._structures[index]
                 lines, used = self._body(translator, scope, structure)
                 helpers |= used
                 parts.append("\n".join([f"void {prefix}graph_{index}(int slots)", "{", *lines, "}"]))
@@ -90,3 +101,10 @@ class GraphSource:
         lines, values, helpers = codegen_glsl.statements(structure, "graph", slot, variable, call)
         stores = [f"    {scope.prefix}registers_rows[{index}] = {value};" for index, value in enumerate(values)]
         return lines + stores, helpers
+
+
+def graphs_of_volumes(tables: dict[str, np.ndarray]) -> frozenset[int]:
+    """Numbers of the graphs that only volumes have, of the tables of ``shading.pack_materials``."""
+    materials, emissions = tables["materials"], tables["emissions"]
+    others = [materials["graph"], materials["shadow_graph"], emissions["graph"], emissions["aov_graph"]]
+    return frozenset(tables["volumes"]["graph"].tolist()) - frozenset(np.concatenate(others).tolist()) - {NO_GRAPH}

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import pathlib
+from collections.abc import Callable
 
 import numpy as np
 
@@ -19,6 +20,8 @@ from ..film import CHANNELS, HALF_BIT, SCATTERED, Film
 from ..kernels import camera, geometry, integrator, lamp_tree, lights, path, rays, samplers, shading
 from ..kernels.media import code_table as media_code
 from ..kernels.media import pack as media
+from ..kernels.media.grids import least_section
+from ..kernels.media.records import NOTHING
 from ..kernels.outputs import code_table as output_code
 from ..kernels.outputs import dispatch as outputs
 from ..kernels.outputs.pack import bits_of, pack_outputs, workspace_counts
@@ -36,12 +39,12 @@ from ..medium import some_varies
 from ..passes import CATCHER_SUMS
 from ..scene import Scene
 from ..settings import LampSampling
-from . import catchers, closed_lamp_parts, lamp_kernels, replacements, special
+from . import catchers, closed_lamp_parts, lamp_kernels, replacements, special, varying_media
 from . import crossings as field_crossings
 from . import images as gpu_images
 from .bvh import KINDS, MOST_IN_LEAF, Hierarchy
 from .device import GROUP, DeviceError
-from .graphs import GraphSource
+from .graphs import GraphSource, graphs_of_volumes
 from .layout import Record
 from .tables import NEAR, Tables
 from .thread_arrays import ThreadArrays
@@ -94,9 +97,15 @@ WRITTEN = {
 
 MOST_NUMBERS = 1 << 24  # of lamps and their tables, whose indices are float32
 
+
+def _kernels(code: dict[int, tuple]) -> dict[int, Callable]:
+    """Those of a table of ``media_code``."""
+    return {place: kernel for place, (kernel, _) in code.items()}
+
+
 # Kernels that the CPU compiles separately, by the tables that hold their addresses there.
 CODE = {
-    "media_code": {place: kernel for place, (kernel, _) in media_code.KERNELS.items()},
+    "media_code": _kernels(media_code.KERNELS),
     "subsurface_code": subsurface_code.KERNELS,
     "output_code": {place: kernel for place, (_, kernel, _) in output_code.KERNELS.items()},
     "strand_code": {strands.FILL: fill_strand},
@@ -133,13 +142,12 @@ class GpuScene:
     ):
         if scene.settings.lamp_sampling is LampSampling.EXTERNAL:
             raise DeviceError("it has no such sampling of lamps")
-        if some_varies(scene):
-            raise DeviceError("it has no volumes that vary in space")
         self._software = software
         self.group = group
         self.formulas = lamp_kernels.Formulas()
         materials, graphs = shading.pack_materials(scene)
-        self.graphs, self.lobes = GraphSource(graphs.structures), materials["lobes"]
+        self.lobes = materials["lobes"]
+        self.graphs = GraphSource(graphs.structures, graphs_of_volumes(materials))
         materials["graph_addresses"] = np.zeros(1, np.int64)  # addresses of machine code, which is not used here
         flags = materials["materials"]["flags"]
         self.deep, transparent = bool((flags & HAS_SUBSURFACE).any()), flags & HAS_TRANSPARENCY != 0
@@ -160,18 +168,21 @@ class GpuScene:
             emitters["lamp_boxes"] = lamp_kernels.flat_boxes(emitters)
         elif self.asked_for_cuts:  # by projection, whose weight follows from the spread of a lamp
             emitters["lamp_placements"] = cut.pack_cuts(built, sources)["lamp_placements"]
-        self.images = materials.pop("images")
-        del materials["decoding"]
-        tables = {
-            **materials,
-            **geometry.pack_geometry(scene, self.hierarchy.baked),
-            **emitters,
-            **camera.pack_camera(scene),
-            **samplers.TABLES,
-        }
-        tables |= gpu_images.placed(scene.images, self.images)
+        shapes = geometry.pack_geometry(scene, self.hierarchy.baked)
+        view = camera.pack_camera(scene)
         media_tables, media_scalars = media.pack_media(scene)
         self.media = bool(media_scalars["has_media"])
+        self.varies = self.media and some_varies(scene)
+        self.all_vary = self.varies and bool((media_tables["media"]["varies"] != NOTHING).all())
+        self.world_varies = scene.world.medium is not None and scene.world.medium.varying is not None
+        if self.varies:
+            read = {**materials, **shapes, **view, **media_tables}
+            media_tables |= varying_media.grids_of(scene, read, camera.camera_scalars(scene), graphs)
+            media_scalars["media_step"] = least_section(*instance_boxes(scene))
+        self.images = materials.pop("images")
+        del materials["decoding"]
+        tables = {**materials, **shapes, **emitters, **view, **samplers.TABLES}
+        tables |= gpu_images.placed(scene.images, self.images)
         if self.media:
             tables |= media_tables
             bounds = media_tables["media_bounds"]
@@ -218,7 +229,7 @@ class GpuScene:
             frozenset(settled),
             self._workspace(tables),
             room // 4,
-            CODE,
+            CODE | {"media_code": _kernels(media_code.VARYING)} if self.varies else CODE,
             changing,
             WRITTEN,
             unknown,
@@ -306,6 +317,9 @@ class GpuScene:
         }
         if self.media:
             counts["inside"] = 2  # of the path and of a light ray
+        if self.varies:
+            # The translator reads an array of three floats as a vector.
+            counts |= {"media_weights": max(len(tables["media_parts"]), 4), "media_random": 1}
         if has_outputs(self.film):
             counts |= workspace_counts(self.film)
             counts["first_scatterings"] = min(counts["first_scatterings"], 2)  # of the path and of a light ray
@@ -316,6 +330,7 @@ class GpuScene:
         dtypes = {
             **WORKSPACE_TABLES,
             **lamp_kernels.ROWS,
+            "media_random": np.dtype(np.uint32),
             "lamp_cuts": lamp_kernels.FLAT_CUT if self.cuts else lamp_kernels.WITHOUT_BOXES,
         }
         return {name: (dtypes[name], count) for name, count in counts.items()}
@@ -365,11 +380,17 @@ class GpuScene:
             groups.append(replacements.NO_LAMPS)
         if self.film.catches:
             groups.append(replacements.CATCHERS)
+        constants = replacements.ROUNDING | replacements.ROWS | replacements.SETS
+        if self.varies and not self.world_varies:
+            groups.append(replacements.WITHOUT_VARYING_WORLD)
+            constants |= varying_media.FEW_NUMBERS
+        if self.all_vary:
+            groups.append(replacements.ALL_MEDIA_VARY)
         written = {run: self.graphs.native}
         if self.written_out is not None:
             written[intervals.solve] = self.written_out.native(self._first_written_out)
         chosen = replacements.together(*groups, special.natives(self.lobes), written)
-        return Translator(self.tables, chosen, replacements.ROUNDING | replacements.ROWS | replacements.SETS)
+        return Translator(self.tables, chosen, constants)
 
     def assembled(self, translator: Translator, main: str) -> str:
         """A whole shader: the translated functions, and its ``main``."""

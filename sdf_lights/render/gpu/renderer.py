@@ -343,7 +343,7 @@ class GpuRenderer:
     def _shorten(self, samples: int) -> None:
         """Make dispatches shorter: the driver has ended the loops of one with so many samples."""
         if samples == 1:
-            raise DeviceError("its driver stops loops that are as long as rays through these lamps need")
+            raise DeviceError("its driver stops loops that are as long as rays through these lamps and volumes need")
         self._longest = max(samples // 4, 1)
 
     def finish(self) -> None:

@@ -15,7 +15,7 @@ from collections.abc import Callable
 from ... import bits
 from ...emitter import hashing
 from ...emitter import lamps as emitter_lamps
-from ...emitter.emission import varying
+from ...emitter.emission import varying as emissions
 from ...emitter.intersection import cover, fields, intervals
 from ...emitter.primitives import sponge, torus
 from ...emitter.sampling import cut, cut_points
@@ -23,7 +23,7 @@ from ...emitter.tree import crossings
 from ...jit import call_part, float_bits, stack_array
 from ..kernels import gather, geometry, lamp_tree, next_event, ray_origins, rays, textures
 from ..kernels.lights import emitters, linking, rectangle, tree, triangle
-from ..kernels.media import in_scattering, light_rays, stack, travel
+from ..kernels.media import cells, in_scattering, light_rays, stack, travel, varying
 from ..kernels.outputs import catchers as output_catchers
 from ..kernels.outputs import data as output_data
 from ..kernels.outputs import light as output_light
@@ -31,7 +31,7 @@ from ..kernels.shading import operands
 from ..kernels.subsurface import disk
 from ..kernels.subsurface import records as subsurface
 from ..kernels.workspace import cut_of, light_cut_of, spans_of
-from . import catchers, closed_lamp_parts, images, lamp_kernels, still
+from . import catchers, closed_lamp_parts, images, lamp_kernels, still, varying_media
 from . import crossings as field_crossings
 from .layout import Array
 from .translate import BOOL, CONSTANT, FLOAT, INT, UINT, ULONG, VECTOR, WORKSPACE, Native, Ref, Tuple, Value, known
@@ -45,6 +45,8 @@ ROUNDING = {
     (cover, "LARGEST"): 1e30,
     (field_crossings, "SIGN"): 1e-30,
     (emitter_lamps, "SMALLEST_INTERVAL"): 2e-6,
+    (cells, "_NUDGE"): 1e-4,
+    (cells, "_ADVANCE"): 1e-6,
     (rectangle, "SMALL"): 3e-3,
     (triangle, "SMALL"): 3e-2,
 }
@@ -57,6 +59,9 @@ ROWS = {
     (disk, "KEPT_RAY"): 1,
     (next_event, "LIGHT_RAY"): 1,
     (in_scattering, "LIGHT_RAY"): 1,
+    (varying, "LIGHT_RAY"): 1,
+    (varying, "LIGHT_RAY_OUTPUT"): 1,
+    (varying, "KEPT_RAY"): 1,
     (output_light, "LIGHT_RAY"): 1,
     (output_catchers, "CAUGHT"): 1,
     (output_catchers, "CAUGHT_RAY"): 2,
@@ -172,9 +177,9 @@ ALWAYS = {
     fields.value: Native(_field_value),
     emitter_lamps.note_length: Native(_note),
     emitter_lamps.solve_all: closed_lamp_parts.solve_all,
-    varying.attenuated_integral: lamp_kernels.attenuated_integral,
-    varying.line_integral: lamp_kernels.line_integral,
-    varying.colours: lamp_kernels.colours,
+    emissions.attenuated_integral: lamp_kernels.attenuated_integral,
+    emissions.line_integral: lamp_kernels.line_integral,
+    emissions.colours: lamp_kernels.colours,
     cut_points.sample_point: lamp_kernels.sample_point,
     cut_points.project_afar: cut.project,
     lamp_tree.lamps_along: lamp_kernels.lamps_along,
@@ -188,10 +193,23 @@ ONE_LIGHT_RAY = {
     next_event.restore_lamp_cut: lamp_kernels.keep_only_lamp
 }  # of one emitter, without transparent shadows
 NO_LAMPS = {next_event.sample_lamp_light: lamp_kernels.no_light, gather.last_lamp_exit: lamp_kernels.no_lamp_exit}
+WITHOUT_VARYING_WORLD = {cells.plan_world: varying_media.no_plan, cells.planned: varying_media.never_planned}
+ALL_MEDIA_VARY = {varying.none_varies: varying_media.one_varies}
 
 CATCHERS = {emitters.may_light: catchers.may_light, linking.is_in_light_tree: catchers.is_in_light_tree}
 
-GROUPS = ALWAYS, WITH_BOXES, WITHOUT_BOXES, BY_PROJECTION, ONE_EMITTER, ONE_LIGHT_RAY, NO_LAMPS, CATCHERS
+GROUPS = (
+    ALWAYS,
+    WITH_BOXES,
+    WITHOUT_BOXES,
+    BY_PROJECTION,
+    ONE_EMITTER,
+    ONE_LIGHT_RAY,
+    NO_LAMPS,
+    WITHOUT_VARYING_WORLD,
+    ALL_MEDIA_VARY,
+    CATCHERS,
+)
 
 
 # Kernels that are written as GLSL for each scene: the graphs of materials, and lamps with many parts.

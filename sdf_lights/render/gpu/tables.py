@@ -116,10 +116,11 @@ class Tables:
                 return known(None)
             dtype, count = self._workspace[name]
             inner = layout_of(dtype, name, packed=True)
+            buffered = self._in_buffer(name, inner, count)
             name = base.constant.prefix + name
             if count == 1 and isinstance(inner, Record):
                 return Value(Ref(Array(inner, 1, packed=True), name + "_row"))
-            if self._in_buffer(name, inner, count):
+            if buffered:
                 lvalue, first = self.arrays.place(name, inner, count)
                 return Value(Ref(Array(inner, count, packed=True), lvalue), first, count=str(count))
             return Value(Ref(Array(inner, count, packed=True), name + "_rows[{}]"), "0", count=str(count))

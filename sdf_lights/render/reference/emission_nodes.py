@@ -16,7 +16,7 @@ from .material_lobes import leaves
 from .nodes import Graph, Points
 
 
-class _Directions(Points):
+class Directions(Points):
     """Formulas without an object, as in ``substitution.without_objects``."""
 
     def call(self, function: Function, operands: list) -> tuple:
@@ -60,7 +60,7 @@ class Emission:
             np.zeros((count, 3)),
             nowhere - 1,
         )
-        points = _Directions(self._graph, surface, self._geometry, self._geometry.scene.images, np.zeros(count))
+        points = Directions(self._graph, surface, self._geometry, self._geometry.scene.images, np.zeros(count))
         total = np.zeros((count, 3))
         for node, weight in leaves(self._graph.surface, points, np.ones(count)):
             if node.kind == "emission":

@@ -25,6 +25,7 @@ from .paths import EVERY_SET, Paths, Samples, together
 from .scene_data import SceneData
 from .strands import NONE
 from .subsurface import INSIDE, pass_below
+from .varying_media import Rays
 
 FIRST_ROULETTE = 3
 
@@ -136,15 +137,19 @@ class Integrator:
         found = hits.found
         # An open mesh does not fill infinite space.
         paths.inside = np.where(found[:, None], paths.inside, self.data.media.outside(len(found)))
-        collision = paths.near + self.data.media.free_path(rng, paths.inside, paths.channel)
-        collides, end = collision < end, np.minimum(collision, end)
+        begin = paths.origin + paths.near[:, None] * paths.direction
+        rays = Rays(begin, paths.direction, paths.kind, paths.bounces)
+        flight = self.data.media.fly(rng, paths.inside, paths.channel, rays, end - paths.near)
+        collides, stopped, end = flight.collides, flight.stopped, paths.near + flight.distance
         gather_emitters(self.data, paths, end, samples)
-        glow = self.data.media.emission(paths.inside)
-        length = np.where(glow.any(1), end - paths.near, 0.0)
-        contribute(self.data, paths, glow * length[:, None], paths.bounces[:, 0], samples)
-        gather_sky(self.data, paths.select(~found & ~collides), samples)
+        contribute(self.data, paths, flight.glow, paths.bounces[:, 0], samples)
+        paths.throughput = paths.throughput * flight.weight[:, None]
+        gather_sky(self.data, paths.select(~found & ~collides & ~stopped), samples)
         parts = [self._scatter_in_medium(paths.select(collides), end[collides], samples, rng)]
-        met = np.flatnonzero(found & ~collides)
+        part = paths.select(stopped)
+        part.near, part.start = end[stopped], part.origin + end[stopped, None] * part.direction
+        parts.append(part)
+        met = np.flatnonzero(found & ~collides & ~stopped)
         paths, end, hits = paths.select(met), end[met], hits.select(met)
         surface = self.data.geometry.surface(hits, paths.direction)
         only = self.data.media.only_bounds(surface)
@@ -160,12 +165,14 @@ class Integrator:
 
     def _scatter_in_medium(self, paths: Paths, end: np.ndarray, samples: Samples, rng) -> Paths:
         """The paths that continue from collisions at the distances ``end``."""
-        albedo = self.data.media.albedo(paths.inside, paths.channel)
-        rows = np.flatnonzero(~paths.last & (albedo > 0.0))
-        paths, end = paths.select(rows), end[rows]
-        paths.throughput = paths.throughput * albedo[rows, None]
         position = paths.origin + end[:, None] * paths.direction
-        points, phase = points_of(position, paths.direction), Phase(self.data.media, paths.inside, paths.direction)
+        rays = Rays(position, paths.direction, paths.kind, paths.bounces)
+        albedo, weights = self.data.media.scattering(paths.inside, paths.channel, rays, position)
+        rows = np.flatnonzero(~paths.last & (albedo > 0.0))
+        paths, position, weights = paths.select(rows), position[rows], weights[rows]
+        paths.throughput = paths.throughput * albedo[rows, None]
+        points = points_of(position, paths.direction)
+        phase = Phase(self.data.media, paths.inside, weights, paths.direction)
         sample_lights(self.data, paths, points, phase, samples, rng)
         wi = phase.sample(rng)
         value, pdf = phase.evaluate(wi)
@@ -277,12 +284,10 @@ class Integrator:
             [settings.max_bounces, settings.diffuse_bounces, settings.glossy_bounces, settings.transmission_bounces]
         )
         passed_all = bounces[:, 4] >= settings.transparent_bounces
-        alive = (throughput.max(1) > 0.0) & ~(
-            paths.last & (paths.bounces[:, 4] >= max(settings.transparent_bounces, 1))
-        )
+        alive = throughput.any(1) & ~(paths.last & (paths.bounces[:, 4] >= max(settings.transparent_bounces, 1)))
         last = paths.last | (bounces[:, :4] > limits).any(1) | (passes & passed_all)
         roulette = ~passes & ~last & (bounces[:, 0] >= FIRST_ROULETTE)
-        survival = np.where(roulette, np.clip(throughput.max(1), 1e-300, 1.0), 1.0)
+        survival = np.where(roulette, np.clip(np.abs(throughput).max(1), 1e-300, 1.0), 1.0)
         alive &= rng.random(len(survival)) < survival
         throughput = throughput / survival[:, None]
         direction = np.where(straight[:, None], paths.direction, wi)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Participating media, in the world and in meshes: homogeneous ones, and the means of others.
+"""Participating media, in the world and in meshes. Those that vary in space are in ``varying_media``.
 
 A path through media carries the light of one channel of RGB, drawn where it begins, three times. So its extinction is
 one number, and distances to collisions are drawn by it: all that a ray meets before its collision counts in full.
@@ -11,12 +11,11 @@ from __future__ import annotations
 import numpy as np
 
 from ..kernels.media.pack import is_only_a_bound
-from ..medium import some_varies
 from ..scene import OPEN_SET, Ray, Scene
 from .geometry import Geometry, Surface
+from .varying_media import WORLD, Flight, Formulas, Rays, VaryingMedia
 from .vectors import dot, to_world
 
-WORLD = -1
 CROSSINGS = 64  # of the ray that finds the media around a camera
 
 
@@ -24,10 +23,6 @@ class Media:
     """All media of a scene, one column for each of the world's and of those that an instance has by a material."""
 
     def __init__(self, scene: Scene, geometry: Geometry):
-        if some_varies(scene):
-            scene.warnings.append(
-                "The NumPy reference renders volumes that vary in space by their means: choose the CPU for them."
-            )
         self.geometry = geometry
         self.owners: list[int] = []
         media = []
@@ -57,6 +52,14 @@ class Media:
         self._part_column = np.array([column for column, _ in parts], int)
         self._part_weight = np.array([np.mean(part.coefficient) for _, part in parts])
         self._g, self._alpha = (np.array([getattr(part, name) for _, part in parts]) for name in ("g", "alpha"))
+        formulas = {
+            column: Formulas(medium, owner, geometry)
+            for column, (medium, owner) in enumerate(zip(media, self.owners))
+            if medium.varying is not None
+        }
+        coefficients = np.array([part.coefficient for _, part in parts]).reshape(-1, 3)
+        constant = self._extinction, self._emission
+        self._varying = VaryingMedia(formulas, constant, self._part_column, coefficients) if formulas else None
 
     # --- where rays are: (N, columns) int, 0 outside of a medium, else the more the later a ray has entered it --------------
 
@@ -108,56 +111,69 @@ class Media:
 
     # --- what happens there -------------------------------------------------------------------------------------------
 
-    def extinction(self, inside: np.ndarray, channel: np.ndarray) -> np.ndarray:
-        """(N,) of the channels (N,), in 1/m."""
-        return ((inside > 0) * self._extinction[:, channel].T).sum(1)
+    def _of_channel(self, values: np.ndarray, inside: np.ndarray, channel: np.ndarray) -> np.ndarray:
+        """(N,) sums of ``values`` (columns, 3) of the channels (N,)."""
+        return ((inside > 0) * values[:, channel].T).sum(1)
 
-    def albedo(self, inside: np.ndarray, channel: np.ndarray) -> np.ndarray:
-        """(N,) part of the extinction that is scattering."""
-        extinction = self.extinction(inside, channel)
-        scattering = ((inside > 0) * self._scattering[:, channel].T).sum(1)
-        return scattering / np.where(extinction > 0.0, extinction, 1.0)
+    def fly(self, rng, inside: np.ndarray, channel: np.ndarray, rays: Rays, length: np.ndarray) -> Flight:
+        """Flights of light of the channels (N,) to collisions, up to a ``length`` (N,), which may be infinite."""
+        if self._varying is not None:
+            return self._varying.fly(rng, inside, channel, rays, length)
+        extinction, count = self._of_channel(self._extinction, inside, channel), len(channel)
+        drawn = -np.log1p(-rng.random(count))
+        free = np.where(extinction > 0.0, drawn / np.where(extinction > 0.0, extinction, 1.0), np.inf)
+        glow = (inside > 0) @ self._emission
+        distance = np.minimum(free, length)
+        glow = glow * np.where(glow.any(1), distance, 0.0)[:, None]
+        return Flight(distance, free < length, np.zeros(count, bool), np.ones(count), glow)
 
-    def emission(self, inside: np.ndarray) -> np.ndarray:
-        """(N, 3) radiance gained per metre."""
-        return (inside > 0) @ self._emission
+    def transmittance(self, rng, inside: np.ndarray, channel: np.ndarray, rays: Rays, length: np.ndarray) -> Flight:
+        """As ``fly``, of light that nothing but the end of its way has to be told of: without collisions if no medium
+        varies, but with the transmittance as its weight."""
+        if self._varying is not None:
+            return self._varying.fly(rng, inside, channel, rays, length)
+        extinction, count = self._of_channel(self._extinction, inside, channel), len(channel)
+        left, nowhere = np.exp(-np.where(extinction > 0.0, extinction * length, 0.0)), np.zeros(count, bool)
+        return Flight(length, nowhere, nowhere, left, np.zeros((count, 3)))
 
-    def free_path(self, rng: np.random.Generator, inside: np.ndarray, channel: np.ndarray) -> np.ndarray:
-        """(N,) distances to collisions; infinite where there is none."""
-        extinction = self.extinction(inside, channel)
-        drawn = -np.log1p(-rng.random(len(channel)))
-        return np.where(extinction > 0.0, drawn / np.where(extinction > 0.0, extinction, 1.0), np.inf)
-
-    def transmittance(self, inside: np.ndarray, channel: np.ndarray, length: np.ndarray) -> np.ndarray:
-        """(N, 1) over lengths (N,), which may be infinite."""
-        extinction = self.extinction(inside, channel)
-        return np.exp(-np.where(extinction > 0.0, extinction * length, 0.0))[:, None]
+    def scattering(
+        self, inside: np.ndarray, channel: np.ndarray, rays: Rays, x: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """At collisions x (N, 3) of rays: the part (N,) of the extinction that is scattering, and the weights (N,
+        parts) of phase functions, which add up to 1."""
+        if self._varying is not None:
+            parts, extinction, _ = self._varying.coefficients(inside, rays, x)
+            rows = np.arange(len(channel))
+            scattering, extinction = parts.sum(1)[rows, channel], extinction[rows, channel]
+            weights = parts.mean(2)
+        else:
+            scattering, extinction = (
+                self._of_channel(values, inside, channel) for values in (self._scattering, self._extinction)
+            )
+            weights = (inside[:, self._part_column] > 0) * self._part_weight
+        total = weights.sum(1, keepdims=True)
+        return scattering / np.where(extinction > 0.0, extinction, 1.0), weights / np.where(total > 0.0, total, 1.0)
 
     def light_set(self, inside: np.ndarray) -> np.ndarray:
         """(N,) for light linking: that of the medium that each ray has entered last."""
         return np.array(self._sets, int)[np.argmax(inside, 1)]
 
-    def weights(self, inside: np.ndarray) -> np.ndarray:
-        """(N, parts) of phase functions, which add up to 1."""
-        weights = (inside[:, self._part_column] > 0) * self._part_weight
-        total = weights.sum(1, keepdims=True)
-        return weights / np.where(total > 0.0, total, 1.0)
-
 
 class Phase:
-    """Points in media, in the place of ``materials.Shading``: the phase function of all media there."""
+    """Points in media, in the place of ``materials.Shading``: the phase function of all media there, by the ``weights``
+    of ``Media.scattering``."""
 
-    def __init__(self, media: Media, inside: np.ndarray, direction: np.ndarray):
-        self.media, self.inside, self.direction = media, inside, direction
+    def __init__(self, media: Media, inside: np.ndarray, weights: np.ndarray, direction: np.ndarray):
+        self.media, self.inside, self.weights, self.direction = media, inside, weights, direction
 
     def select(self, rows: np.ndarray) -> Phase:
         """The same for some rows, given as indices (n,) or as a mask (N,)."""
-        return Phase(self.media, self.inside[rows], self.direction[rows])
+        return Phase(self.media, self.inside[rows], self.weights[rows], self.direction[rows])
 
     def evaluate(self, wi: np.ndarray, kinds: Ray = Ray.ALL) -> tuple[np.ndarray, np.ndarray]:
         """Phase function (N, 3), 0 if no ray of these ``kinds`` is scattered in media, and the density (N,) of
         ``sample``."""
-        media, weights, cosine = self.media, self.media.weights(self.inside), dot(self.direction, wi)[:, None]
+        media, weights, cosine = self.media, self.weights, dot(self.direction, wi)[:, None]
         g, alpha = media._g, media._alpha
         own = (1.0 - g**2) / (4.0 * np.pi * (1.0 + g**2 - 2.0 * g * cosine) ** 1.5)
         draine = own * (1.0 + alpha * cosine**2) / (1.0 + alpha * (1.0 + 2.0 * g**2) / 3.0)
@@ -166,7 +182,7 @@ class Phase:
 
     def sample(self, rng: np.random.Generator) -> np.ndarray:
         """Directions (N, 3), by Henyey and Greenstein's functions with the g of the parts."""
-        count, total = len(self.direction), np.cumsum(self.media.weights(self.inside), 1)
+        count, total = len(self.direction), np.cumsum(self.weights, 1)
         part = (rng.random(count)[:, None] >= total).sum(1).clip(0, total.shape[1] - 1)
         g, u, angle = self.media._g[part], rng.random(count), 2.0 * np.pi * rng.random(count)
         even = np.abs(g) < 1e-3

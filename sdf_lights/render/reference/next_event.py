@@ -19,6 +19,7 @@ from .paths import Paths, Samples
 from .scene_data import SPLIT, SceneData
 from .sdf_lamps import SdfLamp
 from .strands import NONE
+from .varying_media import Rays
 from .vectors import dot
 
 
@@ -149,18 +150,20 @@ def _transmitted(
         found = hits.found
         reached = np.copy(end)
         reached[alive] = np.where(found, near[alive] + hits.distance, end[alive])
+        stopped = np.zeros(0, int)
         if media.count:
-            there, channel = inside[alive], paths.channel[alive]
-            if radiance is None:
-                transmittance[alive] *= media.transmittance(there, channel, reached[alive] - near[alive])
-            else:  # the way ends at a collision, if there is one
-                collision = near[alive] + media.free_path(rng, there, channel)
-                found = found & (collision >= reached[alive])
-                reached[alive] = np.minimum(reached[alive], collision)
+            fly = media.transmittance if radiance is None else media.fly
+            rays = Rays(start[alive], wi[alive], mask, paths.bounces[alive])
+            flight = fly(rng, inside[alive], paths.channel[alive], rays, reached[alive] - near[alive])
+            reached[alive] = near[alive] + flight.distance
         if radiance is not None:
             begin = np.full(count, np.inf)
             begin[alive] = near[alive]
             light += transmittance * radiance(begin, reached)
+        if media.count:
+            transmittance[alive] *= np.where(flight.collides, 0.0, flight.weight)[:, None]
+            found, stopped = found & ~flight.collides & ~flight.stopped, alive[flight.stopped]
+            near[stopped], start[stopped] = reached[stopped], rays.at(flight.distance)[flight.stopped]
         hits, alive = hits.select(found), alive[found]
         blocker = data.geometry.surface(hits, wi[alive])
         passes = data.materials.transparency(blocker)
@@ -173,8 +176,9 @@ def _transmitted(
         transmittance[alive] *= np.where(counts[:, None], passes, 1.0)
         left[alive] -= counts
         refused[alive, 1] = blocker.number
-        through = transmittance[alive].max(1) > 0.0
+        through = transmittance[alive].any(1)
         alive = alive[through]
         near[alive] = reached[alive]
         start[alive] = data.geometry.offset(blocker.position[through], blocker.ng[through], wi[alive])
+        alive = np.concatenate([alive, stopped])
     return transmittance if radiance is None else light

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -32,9 +32,9 @@ BUMP_FILTER, BUMP_DISTANCE = 0.1, 1e-4
 
 class Graph:
     """The closures of a material with numbers for its parameters; attributes, tables and textures become indices in
-    lists."""
+    lists. ``roots``: other formulas with its parameters."""
 
-    def __init__(self, material: Material):
+    def __init__(self, material: Material, roots: Sequence[Vector] = ()):
         self.places: list[Attribute | Table | Texture] = []
         numbers = []
         for value in material.parameters:
@@ -45,6 +45,7 @@ class Graph:
         self._folding = Folding(numbers)
         self._nodes: dict[int, Node] = {}
         self.surface, self.normal = self._folded(material.surface), self._folded(material.normal)
+        self.roots = [self._folded(root) for root in roots]
         self.formulas = list(dict.fromkeys(self._formulas()))
 
     def _folded(self, value):
@@ -74,7 +75,8 @@ class Graph:
                 pending.extend(node.inputs.values())
 
     def _formulas(self) -> Iterator[Formula]:
-        for value in [self.surface, self.normal, *(value for node in self.nodes() for value in node.inputs.values())]:
+        inputs = (value for node in self.nodes() for value in node.inputs.values())
+        for value in [self.surface, self.normal, *self.roots, *inputs]:
             if isinstance(value, Vector):
                 yield from value
             elif isinstance(value, Formula):

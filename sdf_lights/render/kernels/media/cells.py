@@ -14,6 +14,7 @@ import math
 import numpy as np
 
 from ....jit import kernel
+from ....replaced import replaced_on_gpu
 from ....vec import absolute, average, largest, madd, transform_point, transform_vector, vec
 from ..geometry import instance_at
 from .beams import distance_in, fade, gathered
@@ -37,6 +38,7 @@ UNEVEN = 0.15
 MARGIN, NEIGHBOURS, NEIGHBOUR, LEAST_SHARE = 0.25, 3, 0.5, 0.01  # as of ``grids``
 
 _NUDGE = 1e-6  # of a cell: by how much sections at least advance
+_ADVANCE = 1e-14  # and of the distance along the ray, above its rounding
 _OPAQUE = 1e-6  # transmittance below which what follows along a ray does not matter
 
 
@@ -71,7 +73,7 @@ def _cell(block, row, rays, at, t):
     fastest = 0.0
     for axis in range(3):
         fastest = max(fastest, abs(rays[at + 3 + axis]) / grid.size[axis])
-    least = _NUDGE / (side * fastest) if fastest > 0.0 else math.inf
+    least = max(_NUDGE / (side * fastest), _ADVANCE * t) if fastest > 0.0 else math.inf
     end, cell = math.inf, np.int64(0)
     for axis in range(2, -1, -1):
         speed = rays[at + 3 + axis] / grid.size[axis]
@@ -107,6 +109,7 @@ def _probe(block, workspace, medium, x, found, at, count):
     found[at + GLOW] = max(largest(absolute(emission)), found[at + GLOW] if count > 0 else 0.0)
 
 
+@replaced_on_gpu
 @kernel
 def plan_world(block, workspace, medium, start, d, length, step, rays):
     """Cut a ray through the world's medium into sections, by the values at some points of each, and write these behind
@@ -157,8 +160,9 @@ def plan_world(block, workspace, medium, start, d, length, step, rays):
         rays[at + MAJORANT] = min(rays[at + LEAST], rays[at + LEAST + 1], rays[at + LEAST + 2]) + rays[at + SPREAD]
 
 
+@replaced_on_gpu
 @kernel
-def _planned(rays, t):
+def planned(rays, t):
     """Where the section of the world's medium at the distance t begins among the numbers of ``rays``; less than 0
     beyond the last one."""
     for index in range(np.int64(rays[PLAN - 1])):
@@ -181,7 +185,7 @@ def section(block, inside, rays, t, found):
         if rays[at + GRID_ROW] < 0.0:
             continue
         if inside.owner[entry] == WORLD:
-            here = _planned(rays, t)
+            here = planned(rays, t)
             if here >= 0:
                 found[END] = min(found[END], rays[here + END])
                 for number in range(MAJORANT, SECTION):

@@ -24,6 +24,12 @@ _SMALLEST = 1e-6  # metres: width of the box of a flat mesh
 _SEED = 5
 
 
+def least_section(center: np.ndarray, half: np.ndarray) -> float:
+    """The scalar "media_step", in metres, for a scene in these boxes (instances, 3)."""
+    width = ((center + half).max(axis=0) - (center - half).min(axis=0)).max() if len(center) else 0.0
+    return STEP * max(float(width), 1.0)
+
+
 def fill_grids(
     scene: Scene, block: np.ndarray, workspace: np.ndarray, tables: dict[str, np.ndarray]
 ) -> dict[str, np.ndarray]:

@@ -18,6 +18,7 @@ from ..workspace import secondary_table
 from .records import NOTHING, medium_table, part_table, random_table, weight_table
 
 MOST = 1e9  # 1/m: no coefficient is larger
+LEAST = 1e-30  # 1/m: none is smaller, except 0, so that reciprocals are finite, in float32 too
 SHORTEST = 1e-30  # length of a ray that has none; 0 would mean an infinite one
 GLOW_SEED, LIGHT_SEED, TRAVEL_SEED, SHADOW_SEED, LAMP_SEED, FADE_SEED = range(4, 10)  # sets beside those of ``path``
 
@@ -62,7 +63,7 @@ def describe(workspace, d, kind):
 @kernel
 def _amount(value):
     """A coefficient: 0 if it is negative or not a number."""
-    return min(value, MOST) if value > 0.0 else 0.0
+    return min(value, MOST) if value >= LEAST else 0.0
 
 
 @kernel

@@ -16,6 +16,7 @@ from .... import emitter as lamps
 from ....emitter.emission.varying import COLOUR_STACK, LANES, colours, density, place_colour
 from ....emitter.lamps import lamps as lamp_table
 from ....jit import kernel, specialised, stack_array
+from ....replaced import replaced_on_gpu
 from ....vec import average, dot, is_zero, largest, length, madd, mul, put, scale, sub, vec
 from ...scene import Ray
 from .. import lights
@@ -55,11 +56,19 @@ WHITE = (1.0, 1.0, 1.0)
 THIN = 1.5  # optical depth up to which places follow the means of cells: weights stay below e to the power of this
 _CLOSEST = 1e-9  # as in ``beams``
 _LEAST_EXTINCTION = 1e-9
+_LEAST_TOTAL = 1e-20  # part of the light: so little is not looked for, because its densities could be 0 by rounding
 NO_PLACE = -1.0
 
 phase_here = specialised(phase, "phase_here", part_weight=weight_here)
 sample_phase_here = specialised(sample_phase, "sample_phase_here", part_weight=weight_here)
 _scatter_here = specialised(travel.scatter, "scatter_here", phase=phase_here, sample_phase=sample_phase_here)
+
+
+@replaced_on_gpu
+@kernel
+def none_varies(inside):
+    """Whether all media around a ray are homogeneous."""
+    return inside.varies == 0
 
 
 @kernel
@@ -259,7 +268,7 @@ def _light_by_lamp(
 def enter_varying(block, workspace, ray_length):
     """As ``travel.enter``."""
     path, inside = path_table(workspace)[0], inside_table(workspace)[0]
-    if inside.varies == 0:
+    if none_varies(inside):
         return travel.enter(block, workspace, ray_length)
     rays, found = stack_array(LOCAL_RAYS), stack_array(SECTION)
     d = vec(path.direction)
@@ -270,7 +279,7 @@ def enter_varying(block, workspace, ray_length):
     if glows:
         begin(workspace, GLOW_SEED)
         travel.add_glow(block, workspace, glow(block, workspace, inside, start, d, ray_length, rays, found))
-    scatters = 0.0 < total < math.inf
+    scatters = _LEAST_TOTAL < total < math.inf
     if scatters and not path.last:
         kept = ray_table(workspace)
         kept[KEPT_RAY] = kept[0]
@@ -295,7 +304,7 @@ def enter_varying(block, workspace, ray_length):
 def scatter_varying(block, workspace, unused):
     """As ``travel.scatter``."""
     path, inside = path_table(workspace)[0], inside_table(workspace)[0]
-    if inside.varies == 0:
+    if none_varies(inside):
         return travel.scatter(block, workspace, unused)
     # Other branches may have been elsewhere since the collision.
     d = vec(path.direction)
@@ -308,7 +317,7 @@ def scatter_varying(block, workspace, unused):
 def fade_varying(block, workspace, distance):
     """As ``travel.fade``."""
     path, inside = path_table(workspace)[0], inside_table(workspace)[0]
-    if inside.varies == 0:
+    if none_varies(inside):
         return travel.fade(block, workspace, distance)
     begin(workspace, FADE_SEED)
     start, d = vec(path.origin), vec(path.direction)
