@@ -81,9 +81,11 @@ def _cell(block, row, rays, at, t):
         ahead = where + (speed * least if speed != 0.0 else 0.0)
         index = np.int64(min(max(math.floor(ahead * side), 0.0), side - 1.0))
         cell = cell * side + index
-        if speed != 0.0:
-            border = (index + 1) / side if speed > 0.0 else index / side
-            end = min(end, (border - where) / speed)
+        # Outermost cells have no end outwards: a ray that has missed the surface there would take the least steps.
+        if speed > 0.0 and index < side - 1:
+            end = min(end, ((index + 1) / side - where) / speed)
+        elif speed < 0.0 and index > 0:
+            end = min(end, (index / side - where) / speed)
     return grid.first + cell, t + max(end, least)
 
 
