@@ -45,7 +45,6 @@ FOUND = 2e-3, 2e-2
 MOVING = ("moving", "moving_strands")
 APART = ("network_lamp", "torus_room", "subsurface", "fog_lamp", "fur", "rolling", "changing_lamps", *MOVING)
 SCENES = scenes.SCENES | media.MEDIA_SCENES | strands.STRAND_SCENES
-VARYING = media.VARYING_SCENES  # numbers of null collisions are others than the CPU's
 
 
 def sample_as_on_the_gpu(settings: Settings) -> None:
@@ -64,7 +63,7 @@ def pictures(
     """Every pass: (seeds, height, width, channels)."""
     found = {item: [] for item in passes}
     for seed in range(seeds):
-        scene = (SCENES | VARYING)[name](32, 24)
+        scene = (SCENES | media.VARYING_SCENES)[name](32, 24)
         scene.settings.seed, scene.settings.lamp_sampling = 100 + seed, sampling
         sample_as_on_the_gpu(scene.settings)
         if bounces is not None:
@@ -341,9 +340,8 @@ def test_lamp_in_fog():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", VARYING)
-def test_media_that_vary(name):
-    failures = differences(*both(name, LampSampling.MIS, passes=("Combined", "SDF Lamps")))
+def test_a_medium_that_varies():  # by other numbers than the CPU: null collisions are decided in float32
+    failures = differences(*both("varying_smoke", LampSampling.MIS, passes=("Combined", "SDF Lamps")))
     assert not failures, "; ".join(failures)
 
 

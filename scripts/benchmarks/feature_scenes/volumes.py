@@ -67,6 +67,52 @@ def glowing_medium(scene):
     bpy.data.objects["Plastic"].data.materials[0] = medium
 
 
+def _smoke(graph: Graph, density: float):
+    """Principled Volume with puffs of a noise texture."""
+    place = graph.node("ShaderNodeTexCoord", "Object")
+    noise = graph.node("ShaderNodeTexNoise", Vector=place, Scale=2.5)
+    puffs = graph.node("ShaderNodeMapRange", Value=noise, From_Min=0.45, From_Max=0.7, To_Min=0.0, To_Max=density)
+    return graph.node("ShaderNodeVolumePrincipled", Density=puffs, Color=(0.8, 0.7, 0.6))
+
+
+@feature("Volumes")
+def smoke_of_noise(scene):
+    """A box of smoke whose density is a noise texture, with the cone of a spot and a glowing lamp."""
+    scene.cycles.volume_bounces = 2
+    graph = Graph("Smoke")
+    add("Smoke", box("Smoke", (3.6, 3.4, 2.0)), graph.finish(_smoke(graph, 2.0), "Volume"), location=(0, 0.0, 1.05))
+    light("Spot", "SPOT", 150.0, (1.0, -0.4, 2.2), (-0.4, 0.4, 0.0), (0.5, 0.8, 1.0), spot_size=0.5, spot_blend=0.2)
+    lamp()
+
+
+@feature("Volumes")
+def ground_fog(scene):
+    """A world full of fog that thins out with height."""
+    scene.cycles.volume_bounces = 1
+    graph = Graph(scene.world)
+    graph.finish(graph.node("ShaderNodeBackground", Color=(0.3, 0.4, 0.6), Strength=0.15))
+    place = graph.node("ShaderNodeNewGeometry", "Position")
+    height = graph.node("ShaderNodeSeparateXYZ", "Z", Vector=place)
+    density = graph.node("ShaderNodeMapRange", Value=height, From_Max=1.5, To_Min=0.4, To_Max=0.0)
+    output = next(node for node in graph.nodes if node.type == "OUTPUT_WORLD")
+    graph.links.new(graph.node("ShaderNodeVolumeScatter", Density=density), output.inputs["Volume"])
+
+
+@feature("Volumes")
+def fire(scene):
+    """A ball whose middle glows by a colour ramp and smokes at its border."""
+    scene.cycles.volume_bounces = 2
+    graph = Graph("Fire")
+    place = graph.node("ShaderNodeTexCoord", "Object")
+    ball = graph.node("ShaderNodeVectorMath", "Value", operation="LENGTH", _0=place)
+    flame = graph.node("ShaderNodeMapRange", Value=ball, From_Min=0.1, From_Max=0.35, To_Min=3.0, To_Max=0.0)
+    color = graph.node("ShaderNodeValToRGB", Fac=graph.node("ShaderNodeMath", operation="MULTIPLY", _0=ball, _1=3.0))
+    first, last = color.node.color_ramp.elements
+    first.color, last.color = (1.0, 0.7, 0.2, 1.0), (1.0, 0.15, 0.02, 1.0)
+    medium = graph.node("ShaderNodeVolumePrincipled", Density=3.0, Emission_Strength=flame, Emission_Color=color)
+    bpy.data.objects["Plastic"].data.materials[0] = graph.finish(medium, "Volume")
+
+
 @feature("Volumes")
 def phase_functions(scene):
     """A box of Rayleigh haze."""
