@@ -125,8 +125,9 @@ class Attribute:
     around the undeformed mesh, 0 to 1), "geometry" (``name`` is that of an attribute of the mesh), or "object",
     "instancer", "view_layer" (``name`` is that of a property), "instancer_generated" and "instancer_uv" (position of an
     instance on the instancer), "texture_space" ("scale" and "offset" from object space to "generated", inside meshes),
-    "pointiness" (convexity of a mesh), "island" (a random number of each part) or "undisplaced" (position of a point
-    before ``displacement``).
+    "pointiness" (convexity of a mesh), "island" (a random number of each part), "undisplaced" (position of a point
+    before ``displacement``), "grid" (``name`` is that of a grid of voxels, see ``voxels``) or "object_density" (metres
+    of object space in one of the world).
     """
 
     kind: str
@@ -134,6 +135,7 @@ class Attribute:
 
 
 UNDISPLACED = Attribute("undisplaced")
+OBJECT_DENSITY = Attribute("object_density")
 UV = Attribute("uv")
 """The active UV map, for the pass."""
 SHARP_FACE = Attribute("geometry", "sharp_face")

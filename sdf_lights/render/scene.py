@@ -44,7 +44,7 @@ class Domain(enum.IntEnum):
     CORNER = 0  # three rows a triangle
     VERTEX = 1
     TRIANGLE = 2
-    WHOLE = 3  # one row
+    WHOLE = 3  # one row; of a grid of voxels it has any number of values
 
 
 @dataclass

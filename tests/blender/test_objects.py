@@ -303,7 +303,7 @@ def test_text_and_curves_in_edit_mode_are_rendered(synced, add, kind):
 def test_unsupported_objects_are_named(synced, add):
     add("Cloud", bpy.data.volumes.new("Volume"))
     warnings = synced().warnings
-    assert len(warnings) == 1 and "'Cloud'" in warnings[0] and "volume" in warnings[0]
+    assert len(warnings) == 1 and "'Cloud'" in warnings[0] and "volume without a file" in warnings[0]
 
 
 def test_nothing_refers_to_blender(synced, add, quad, lamp):

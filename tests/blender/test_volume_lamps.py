@@ -10,8 +10,8 @@ import bpy
 import numpy as np
 import pytest
 
+from sdf_lights.blender import vdb_files
 from sdf_lights.blender.lamp import shape_of
-from sdf_lights.blender.objects import volumes
 from sdf_lights.emitter.tree import interior
 from sdf_lights.render.errors import RenderError
 
@@ -21,7 +21,7 @@ PYTHON = pathlib.Path(__file__).resolve().parents[2] / "docs" / "python.md"
 @pytest.fixture
 def vdb(openvdb):
     """OpenVDB's module, as the add-on finds it."""
-    assert volumes.vdb() is openvdb
+    assert vdb_files.vdb() is openvdb
     return openvdb
 
 
@@ -138,7 +138,7 @@ def test_a_volume_without_a_file_says_so(lamp_of, tmp_path):
 
 def test_without_openvdb_a_volume_names_the_cure(lamp_of, tmp_path, monkeypatch):
     (tmp_path / "a.vdb").write_bytes(b"")
-    for name in volumes.MODULES:
+    for name in vdb_files.MODULES:
         monkeypatch.setitem(sys.modules, name, None)
     with pytest.raises(RenderError, match="Volume 'Cloud' cannot be read.*Blender from blender.org"):
         lamp_of(tmp_path / "a.vdb")

@@ -122,7 +122,7 @@ FUNCTIONS = {
         2e-3,
     ),
     "solid angle": (triangles.solid_angle, lambda r: [units(r), units(r), units(r)], 5e-6, 1e-4),
-    "cubic": (textures._cubic, lambda r: [uniform(r), r.integers(0, 4, COUNT)], 1e-6, 0.0),
+    "cubic": (textures.cubic_weight, lambda r: [uniform(r), r.integers(0, 4, COUNT)], 1e-6, 0.0),
     "place in a box": (
         cut._place_in,
         lambda r: [

@@ -1,17 +1,11 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Volume objects as lamps: the level set in their .vdb file, by a signed distance grid.
-
-Blender has OpenVDB as a Python module: ``openvdb``, and in older versions ``pyopenvdb``. The module bpy from the
-package index has none.
-"""
+"""Volume objects as lamps: the level set in their .vdb file, by a signed distance grid."""
 
 from __future__ import annotations
 
 import collections
-import importlib
 import pathlib
-import struct
 
 import bpy
 import numpy as np
@@ -19,64 +13,12 @@ import numpy as np
 from ...render.errors import RenderError
 from ...sdf.shapes import Shape
 from ...sdf.shapes.operators import Transformed
+from ..vdb_files import axes_of, is_whole, vdb
 from . import reads
 
-MODULES = "openvdb", "pyopenvdb"
-MAGIC, OLDEST, UUID = (
-    0x56444220,
-    222,
-    36,
-)  # of a .vdb file: its first word, a version of the format, bytes of its identity
 _KEPT = 16
 
 _grids: collections.OrderedDict[tuple, Shape | str] = collections.OrderedDict()  # or a sentence on what is wrong
-
-
-def vdb():
-    """OpenVDB's Python module; None where there is none."""
-    for name in MODULES:
-        try:
-            return importlib.import_module(name)
-        except ImportError:
-            pass
-    return None
-
-
-def is_whole(path: pathlib.Path) -> bool:
-    """Whether a .vdb file has all bytes that its grids say they have: OpenVDB may search for long in one that has not.
-
-    Its parts are those of ``io::File`` and ``GridDescriptor`` of OpenVDB. Raises OSError if it cannot be opened.
-    """
-    size = path.stat().st_size
-    with open(path, "rb") as file:
-
-        def numbers(layout: str) -> tuple:
-            return struct.unpack(f"<{layout}", file.read(struct.calcsize(f"<{layout}")))
-
-        def skip() -> None:
-            (count,) = numbers("I")
-            if count > size:
-                raise ValueError("a text is longer than the file")
-            file.seek(count, 1)
-
-        try:
-            magic, version, _, _, has_offsets = numbers("qIIIb")
-            if magic != MAGIC or version < OLDEST or not has_offsets:
-                return False
-            file.seek(UUID, 1)
-            for _ in range(numbers("I")[0]):
-                skip(), skip(), skip()  # name, type, value
-                if file.tell() > size:
-                    return False
-            for _ in range(numbers("i")[0]):
-                skip(), skip(), skip()  # names and type
-                _, _, end = numbers("qqq")
-                if not file.tell() <= end <= size:
-                    return False
-                file.seek(end)
-        except (struct.error, ValueError):
-            return False
-    return True
 
 
 @reads(VOLUME="Volume")
@@ -132,15 +74,10 @@ def _shape(module, path: pathlib.Path) -> Shape | str:
         grid = module.read(str(path), chosen[0].name)
         if not grid.transform.isLinear:
             return "has a transform that is not linear: write it again with one that is."
-        origin = np.array(grid.transform.indexToWorld((0.0, 0.0, 0.0)))
-        axes = [np.array(grid.transform.indexToWorld(tuple(row))) - origin for row in np.eye(3)]
-        matrix = np.eye(4)
-        matrix[:3, :3], matrix[:3, 3] = np.column_stack(axes), origin
-        size = float(np.linalg.norm(axes, axis=1).min())
-        if not grid.activeVoxelCount() or not (
-            np.isfinite(matrix).all() and abs(np.linalg.det(matrix / max(size, 1e-30))) > 1e-6
-        ):
+        matrix = axes_of(grid)
+        if matrix is None or not grid.activeVoxelCount():
             return "has an empty level set: choose another file."
+        size = float(np.linalg.norm(matrix[:3, :3], axis=0).min())
         first, last = grid.evalActiveVoxelBoundingBox()
 
         def read(start: np.ndarray, counts: np.ndarray) -> np.ndarray:

@@ -50,7 +50,9 @@ def _texture_space(data) -> tuple[np.ndarray, np.ndarray]:
 
 def texture_space(data, name: str) -> np.ndarray | None:
     """(1, 3) float32: the "scale" or the "offset" of the transform from object space to generated coordinates; None for
-    data without a texture space."""
+    data without a texture space. In Volume objects both are the same."""
+    if isinstance(data, bpy.types.Volume):
+        return np.full((1, 3), 1.0 if name == "scale" else 0.0, np.float32)
     if not hasattr(data, "texspace_location"):
         return None
     location, scale = _texture_space(data)

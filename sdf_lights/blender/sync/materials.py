@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 import bpy
 
@@ -15,9 +15,10 @@ from ...render.scene import Scene
 from ..shader_trees import node_tree_of
 from .aovs import aovs_of
 from .common import Warnings, rgb
+from .grids import Found
 from .images import Images
 from .nodes import Reader
-from .volumes import medium_of
+from .volumes import default_medium, medium_of
 
 # Cycles' surface without a material.
 DEFAULT = "principled" if bpy.app.version >= (5, 0, 0) else "diffuse"
@@ -29,15 +30,35 @@ class Materials:
     def __init__(self, scene: Scene, depsgraph: bpy.types.Depsgraph, images: Images, warn: Warnings):
         self._scene, self._depsgraph, self._images, self._warn = scene, depsgraph, images, warn
         self._override = depsgraph.view_layer_eval.material_override
-        self._known: dict[int, int] = {}
+        self._known: dict[tuple, int] = {}
 
     def index(self, material: bpy.types.Material | None) -> int:
         """Index of a material in the scene; None is Blender's default surface."""
         material = self._override or material
-        key = 0 if material is None else material.as_pointer()
+        if material is None:
+            return self._add(None, None, lambda: Material("default_surface", Node(DEFAULT)))
+        return self._add(material, None, lambda: self._read(material))
+
+    def of_volume(self, slots: Iterable[bpy.types.Material | None], grids: Found) -> tuple[int, str] | None:
+        """Index of the material of an object with these grids, and how it interpolates them. As in Cycles it is the
+        first one with a volume; None if there is none. An object without a material has Cycles' default volume."""
+        used = [self._override] if self._override else [material for material in slots if material is not None]
+        if not used:
+            surface, scaled = Node("transparent"), grids.in_object_space
+            default = Material("default_volume", surface, medium=default_medium(scaled))
+            return self._add(None, (grids.names, scaled), lambda: default), "LINEAR"
+        for material in used:
+            key = grids.names, grids.in_object_space
+            index = self._add(material, key, lambda material=material: self._read(material, *key))
+            if self._scene.materials[index].medium is not None:
+                return index, interpolation_of(material)
+        return None
+
+    def _add(self, material: bpy.types.Material | None, grids: tuple | None, make: Callable[[], Material]) -> int:
+        """Index of the material, made once for each set of ``grids``; None for surfaces."""
+        key = 0 if material is None else material.as_pointer(), grids
         if key not in self._known:
-            built = Material("default_surface", Node(DEFAULT)) if material is None else self._read(material)
-            self._scene.materials.append(built)
+            self._scene.materials.append(make())
             self._known[key] = len(self._scene.materials) - 1
         return self._known[key]
 
@@ -47,7 +68,9 @@ class Materials:
         found = set(attributes_of(materials, self._scene.attributes))
         return found | {SHARP_FACE} if any(material.displacement is not None for material in materials) else found
 
-    def _read(self, material: bpy.types.Material) -> Material:
+    def _read(
+        self, material: bpy.types.Material, grids: frozenset[str] = frozenset(), in_object_space: bool = False
+    ) -> Material:
         tree = node_tree_of(material)
         if tree is None:
             return Material(
@@ -72,9 +95,17 @@ class Materials:
                 )
         # Nodes are read again for the volume: inside a mesh, coordinates are not those of its surface.
         inner = Reader(
-            tree, owner, self._depsgraph, self._images, self._warn, "VOLUME", material_index=material.pass_index
+            tree,
+            owner,
+            self._depsgraph,
+            self._images,
+            self._warn,
+            "VOLUME",
+            material_index=material.pass_index,
+            grids=grids,
+            volume_interpolation=interpolation_of(material),
         )
-        medium = medium_of(inner, output, owner, self._warn)
+        medium = medium_of(inner, output, owner, self._warn, in_object_space)
         bounds = reader.resolve(output.inputs["Volume"])[0] is not None
         if surface is None and bounds:
             surface = Node("transparent")  # the surface only bounds a volume
@@ -92,3 +123,8 @@ class Materials:
             material.use_transparent_shadow or bounds,  # as in Cycles
             getattr(cycles, "use_bump_map_correction", True),
         )
+
+
+def interpolation_of(material: bpy.types.Material) -> str:
+    """How a material interpolates grids of voxels: a key of ``lookups.GRID``."""
+    return getattr(getattr(material, "cycles", None), "volume_interpolation", "LINEAR")

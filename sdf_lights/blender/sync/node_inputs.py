@@ -145,8 +145,8 @@ class BlenderInputs(NodeInputs):
             return 10.0 if world is None else world.light_settings.distance
         if name == "material_index":
             return self._reader.material_index
-        if name == "domain":
-            return self._reader.domain
+        if name in ("domain", "grids", "volume_interpolation"):
+            return getattr(self._reader, name)
         if name in ("light_matrix", "light_normals", "light_shape", "object_info"):
             return self._reader.light.get(name)
         if name == "attribute_value":

@@ -55,6 +55,8 @@ class Reader:
     data for nodes of lights: "light_matrix" (3, 4) maps from the world to the light, without its scale; "light_normals"
     (3, 3) does so for normals, with the scale, as in Cycles; "light_shape": see ``projections.light_place``;
     "object_info": the result of ``lookups.OBJECT_INFO``; "owners": the data whose properties are its attributes.
+    ``grids`` are the names of the grids of voxels that a volume has, ``volume_interpolation`` is a key of
+    ``lookups.GRID``.
     """
 
     def __init__(
@@ -67,11 +69,14 @@ class Reader:
         domain: str = "SURFACE",
         material_index: int = 0,
         light: dict[str, object] | None = None,
+        grids: frozenset[str] = frozenset(),
+        volume_interpolation: str = "LINEAR",
     ):
         self.tree, self._owner, self.images, self._warn = tree, owner, images, warn
         self.scene, self._view_layer = depsgraph.scene_eval, depsgraph.view_layer_eval
         self.domain, self.material_index = domain, material_index
         self.light = light or {}
+        self.grids, self.volume_interpolation = grids, volume_interpolation
         self.parameters: list[float | Attribute | Table | Texture] = []
         self._followed, self._reading = 0, False  # number of inputs read; whether one is being read
         self.links = Links()

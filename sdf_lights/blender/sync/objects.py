@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -11,11 +12,12 @@ import bpy
 import numpy as np
 
 from ...render.errors import RenderError
-from ...render.material import Attribute
+from ...render.material import OBJECT_DENSITY, Attribute
 from ...render.scene import AttributeValues, Domain, Instance, Lamp, Portal, Ray, Scene
 from ..naming import BESIDE_GROUP
 from .attributes import InstanceAttributes, property_of, random_number, texture_space
 from .common import FLAT, Warnings, is_finite, matrix_of, visibility_of
+from .grids import Fixed, Found, Grids, boxed
 from .images import Images
 from .kept import Kept, owners_of
 from .lights import control, light_of
@@ -29,7 +31,6 @@ from .strands import Strands
 
 # Curves, text, surfaces and metaballs are not here: Blender lists their evaluated meshes as separate instances.
 _UNSUPPORTED = {
-    "VOLUME": "a volume",
     "GREASEPENCIL": "Grease Pencil",
     "GPENCIL": "Grease Pencil",
 }
@@ -38,7 +39,7 @@ _UNSUPPORTED = {
 _THICKNESS = 1e-6
 
 
-ALL = frozenset({"MESH", "CURVES", "POINTCLOUD", "LIGHT", *_UNSUPPORTED})
+ALL = frozenset({"MESH", "CURVES", "POINTCLOUD", "VOLUME", "LIGHT", *_UNSUPPORTED})
 LIGHTS = frozenset({"LIGHT"})
 
 
@@ -91,6 +92,16 @@ class _Flags(NamedTuple):
     catcher: bool
 
 
+class _Shown(NamedTuple):
+    """The data that all instances of an object share: index of the mesh, those of its materials, the attributes that
+    they read, and the values of some."""
+
+    mesh: int | None
+    slots: tuple[int, ...]
+    wanted: set[Attribute]
+    values: dict[Attribute, AttributeValues] = {}
+
+
 class _Reader:
     """Reads instances. Data shared by many instances is read from Blender once."""
 
@@ -117,9 +128,8 @@ class _Reader:
         self._linking = Linking(depsgraph)
         self._instances = InstanceAttributes()
         self._flags: dict[tuple[int, int], _Flags] = {}  # by object and instancer
-        # By object and mesh, and whether it is hair: index of the mesh, those of its materials, and the attributes that
-        # they read.
-        self._shown: dict[tuple[int, int, bool], tuple[int | None, tuple[int, ...], set[Attribute]]] = {}
+        self._grids = Grids(depsgraph, warn)
+        self._shown: dict[tuple[int, int, bool], _Shown] = {}  # by object and mesh, and whether it is hair
 
     def read(self, item: bpy.types.DepsgraphObjectInstance, hair: bool = False) -> None:
         """Add the mesh of an instance to the scene; with ``hair`` its particle hair instead."""
@@ -142,7 +152,7 @@ class _Reader:
             return
         flags = self._flags_of(obj, item.parent if item.is_instance else None)
         before = len(self._scene.instances), len(self._scene.lamps), len(self._scene.lights)
-        if kind in ("MESH", "CURVES", "POINTCLOUD"):
+        if kind in ("MESH", "CURVES", "POINTCLOUD", "VOLUME"):
             self._surface(item, obj, matrix, flags, hair)
         else:
             self._light(obj, matrix, flags, random_number(item))
@@ -165,16 +175,9 @@ class _Reader:
         data = self.meshes.evaluated(obj, self._depsgraph) if obj.type == "MESH" else obj.data
         key = original.as_pointer(), data.as_pointer(), hair
         if key not in self._shown:
-            slots = tuple(self._materials.index(material) for material in slot_materials(obj))
-            wanted = self._materials.needs(slots)
-            if hair:
-                found = self._hairs.index(original.evaluated_get(self._depsgraph), len(slots), wanted)
-            elif obj.type == "MESH":
-                found = self.meshes.index(data, len(slots), wanted, owners_of(item))
-            else:
-                found = self._strands.index(data, wanted)
-            self._shown[key] = found, slots, wanted
-        index, slots, wanted = self._shown[key]
+            grids = None if hair else self._grids.of(obj)
+            self._shown[key] = self._meet(item, obj, data, hair) if grids is None else self._meet_volume(obj, grids)
+        index, slots, wanted, values = self._shown[key]
         if index is None:
             return
         self._scene.instances.append(
@@ -185,7 +188,7 @@ class _Reader:
                 original.name,
                 flags.visibility,
                 flags.holdout,
-                self._attributes(item, wanted),
+                {**self._attributes(item, wanted, matrix), **values},
                 tuple(obj.color),
                 original.pass_index,
                 random_number(item),
@@ -197,10 +200,42 @@ class _Reader:
             )
         )
 
-    def _attributes(self, item: bpy.types.DepsgraphObjectInstance, wanted: set[Attribute]) -> dict:
+    def _meet(self, item: bpy.types.DepsgraphObjectInstance, obj: bpy.types.Object, data, hair: bool) -> _Shown:
+        """Read the mesh, the hair or the points of an object."""
+        slots = tuple(self._materials.index(material) for material in slot_materials(obj))
+        wanted = self._materials.needs(slots)
+        if hair:
+            found = self._hairs.index(obj.original.evaluated_get(self._depsgraph), len(slots), wanted)
+        elif obj.type == "MESH":
+            found = self.meshes.index(data, len(slots), wanted, owners_of(item))
+        else:
+            found = self._strands.index(data, wanted)
+        return _Shown(found, slots, wanted)
+
+    def _meet_volume(self, obj: bpy.types.Object, grids: Found) -> _Shown:
+        """Read the grids of an object, whose box bounds its volume."""
+        used = self._materials.of_volume(slot_materials(obj), grids)
+        if used is None:
+            return _Shown(None, (), set())
+        material, interpolation = used
+        wanted = self._materials.needs((material,))
+        box = boxed(grids, wanted, obj.original.name, interpolation)
+        if box is None:
+            return _Shown(None, (), set())
+        self._scene.meshes.append(box.mesh)
+        index = len(self._scene.meshes) - 1
+        self.forms[index] = Fixed()
+        return _Shown(index, (material,), wanted, box.values)
+
+    def _attributes(self, item: bpy.types.DepsgraphObjectInstance, wanted: set[Attribute], matrix: np.ndarray) -> dict:
         """Values that materials read and that are the same all over an instance."""
         found = {}
         for attribute in wanted:
+            if attribute == OBJECT_DENSITY:
+                # As in Cycles: along the diagonal.
+                size = float(np.linalg.norm(matrix[:3, :3].sum(axis=1))) / math.sqrt(3.0)
+                found[attribute] = AttributeValues(Domain.WHOLE, np.full((1, 1), 1.0 / size, np.float32))
+                continue
             if attribute.kind in ("instancer_generated", "instancer_uv"):
                 if item.is_instance:
                     place = np.array(item.orco if attribute.kind == "instancer_generated" else item.uv, np.float32)

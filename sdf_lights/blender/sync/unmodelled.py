@@ -15,6 +15,7 @@ import bpy
 from ...render.kernels.rays import SHADOW_BITS
 from ...render.passes import MATTES, PASSES, Owner
 from .common import Warnings
+from .grids import smoke_domain
 
 
 class Asked(NamedTuple):
@@ -136,6 +137,22 @@ def shadow_terminators(asked: Asked) -> Iterator[str]:
             )
 
 
+def velocity_of_voxels(asked: Asked) -> Iterator[str]:
+    """Motion blur by the velocity grids of volumes and of smoke."""
+    if not asked.scene.render.use_motion_blur:
+        return
+    for obj in asked.objects:
+        if obj.type == "VOLUME":
+            moves = obj.data.velocity_grid in {grid.name for grid in obj.data.grids}
+        else:
+            moves = smoke_domain(obj) is not None
+        if moves:
+            yield (
+                f"Object '{obj.name}': motion blur by the velocity of its voxels is not supported: they stand still in "
+                "it; switch Motion Blur off to compare."
+            )
+
+
 # -- lights and the world ----------------------------------------------------------------------------------------------
 
 
@@ -166,6 +183,7 @@ CHECKS: tuple[Callable[[Asked], Iterator[str]], ...] = (
     light_linking,
     subdivision,
     shadow_terminators,
+    velocity_of_voxels,
     shadow_caustics,
     world_shadows,
 )

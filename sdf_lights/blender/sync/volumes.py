@@ -13,21 +13,30 @@ from dataclasses import replace
 import bpy
 import numpy as np
 
-from ...graph.formula import Formula, Vector, clamp, formula_of, maximum, select, sqrt
+from ...graph.formula import Formula, Vector, call, clamp, formula_of, maximum, parameter, select, sqrt
+from ...render.material import OBJECT_DENSITY, Attribute
 from ...render.medium import BLACK, RGB, Medium, Scattering, Varying
+from ...render.nodes.lookups import ATTRIBUTE, GRID
 from ...render.nodes.means import mean_inside, varies
 from ...render.nodes.spectra import blackbody_in
+from ...render.nodes.variables import BARYCENTRIC, POSITION
 from ...render.phases import fournier_forand_mean, limited, mie
 from .common import Warnings
 from .node_values import numbers_of, working_space
 from .nodes import Reader, Stack, by_identifier
 
 STEFAN_BOLTZMANN = 5.670373e-8 * 1e-6 / math.pi  # radiance, in the units of Cycles
+# Since then Cycles takes the temperature of a voxel by chance: hot voxels glow as if their neighbours were not colder.
+TEMPERATURE_BY_CHANCE = bpy.app.version >= (5, 0, 0)
 
 
-def medium_of(reader: Reader, output: bpy.types.Node, owner: str, warn: Warnings) -> Medium | None:
-    """The medium of an output node's Volume socket; None if it is empty."""
-    read = _Volume(reader, owner, warn).read(output.inputs["Volume"], (), 1.0)
+def medium_of(
+    reader: Reader, output: bpy.types.Node, owner: str, warn: Warnings, in_object_space: bool = False
+) -> Medium | None:
+    """The medium of an output node's Volume socket; None if it is empty. ``in_object_space``: its coefficients are
+    those per metre of object space, so that a smaller object is as opaque."""
+    weight = _object_density(reader.parameters) if in_object_space else 1.0
+    read = _Volume(reader, owner, warn).read(output.inputs["Volume"], (), weight)
     found = _with_means(read, reader.parameters)
     endless = any(glow > 0.0 and not fading > 0.0 for glow, fading in zip(found.emission, found.extinction))
     if reader.domain == "WORLD" and endless:
@@ -37,6 +46,21 @@ def medium_of(reader: Reader, output: bpy.types.Node, owner: str, warn: Warnings
         )
         found = _with_means(replace(read, emission=BLACK), reader.parameters)
     return None if found.does_nothing else found
+
+
+def _object_density(parameters: list) -> Formula:
+    parameters.append(OBJECT_DENSITY)
+    return call(ATTRIBUTE, parameter(len(parameters) - 1), *BARYCENTRIC)[0]
+
+
+def default_medium(in_object_space: bool) -> Medium:
+    """That of a Volume object without a material: Cycles' Principled Volume with its defaults; see ``medium_of``."""
+    parameters: list = [Attribute("grid", "density")]
+    density = maximum(call(GRID["LINEAR"], parameter(0), *POSITION)[4], 0.0)
+    if in_object_space:
+        density = density * _object_density(parameters)
+    half = (0.5 * density,) * 3
+    return _with_means(Medium(half, (Scattering(half),)), parameters)
 
 
 def _is_number(value: float | Formula) -> bool:
@@ -145,6 +169,15 @@ class _Sockets:
     def shader(self, identifier: str, weight: float | Formula) -> Medium:
         return self._volume.read(by_identifier(self.node.inputs, identifier), self._stack, weight)
 
+    def grid(self, identifier: str, by_chance: bool = False) -> tuple[Formula, ...] | None:
+        """The grid with the name that is the value of an input, as ``lookups.GRID``; None if there is none.
+        ``by_chance``: one of the voxels that would be interpolated linearly."""
+        reader, name = self._volume.reader, by_identifier(self.node.inputs, identifier).default_value
+        if name not in reader.grids:
+            return None
+        way = "BY_CHANCE" if by_chance and reader.volume_interpolation == "LINEAR" else reader.volume_interpolation
+        return call(GRID[way], reader.parametric(Attribute("grid", name)), *POSITION)
+
     def report(self, what: str) -> None:
         self._volume.reader.report(self.node, what)
 
@@ -202,12 +235,20 @@ def _coefficients(inputs: _Sockets, weight: float | Formula) -> Medium:
 def _principled(inputs: _Sockets, weight: float | Formula) -> Medium:
     density = weight * inputs.positive("Density")
     color, tint = inputs.color("Color"), inputs.color("Absorption Color")
+    grid = inputs.grid("Density Attribute")
+    if grid is not None:
+        density = density * maximum(grid[4], 0.0)
+    grid = inputs.grid("Color Attribute")
+    if grid is not None:
+        color = _positive((color[0] * grid[0], color[1] * grid[1], color[2] * grid[2]))
     roots = (math.sqrt(channel) if _is_number(channel) else sqrt(channel) for channel in tint)
     absorption = tuple(density * _least(1.0 - c, 0.0) * _least(1.0 - root, 0.0) for c, root in zip(color, roots))
     emission = _scaled(inputs.color("Emission Color"), weight * inputs.positive("Emission Strength"))
     share = inputs.number("Blackbody Intensity")
     if not _is_number(share) or share > 0.0:
-        temperature = inputs.positive("Temperature")
+        temperature, grid = inputs.positive("Temperature"), inputs.grid("Temperature Attribute", TEMPERATURE_BY_CHANCE)
+        if grid is not None:
+            temperature = temperature * maximum(grid[4], 0.0)
         squared = temperature * temperature
         intensity = weight * STEFAN_BOLTZMANN * (1.0 + share * (squared * squared - 1.0))
         if not _is_number(share):

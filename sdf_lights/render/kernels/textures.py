@@ -150,7 +150,7 @@ def texel(image, column, row):
 
 
 @kernel
-def _cubic(t, i):
+def cubic_weight(t, i):
     """Weight i of four of the uniform cubic B-spline."""
     if i == 0:
         return (1.0 - t) ** 3 / 6.0
@@ -171,9 +171,9 @@ def _cubic_sum(image, column, row, s, t, extension):
     """RGBA of the sixteen texels around the four from (column, row) on."""
     r, g, b, a = 0.0, 0.0, 0.0, 0.0
     for j in range(4):
-        other_row, weight_v = _wrap(row + j - 1, image.height, extension), _cubic(t, j)
+        other_row, weight_v = _wrap(row + j - 1, image.height, extension), cubic_weight(t, j)
         for i in range(4):
-            weight = weight_v * _cubic(s, i)
+            weight = weight_v * cubic_weight(s, i)
             found = texel(image, _wrap(column + i - 1, image.width, extension), other_row)
             r, g, b, a = r + weight * found[0], g + weight * found[1], b + weight * found[2], a + weight * found[3]
     return (r, g, b, a)

@@ -211,9 +211,17 @@ def object_info(node: NodeInputs):
     }
 
 
+def grid(node: NodeInputs, name: str) -> tuple[Formula, ...]:
+    """As ``lookups.GRID``: a grid of voxels of the volume; zeros if it has none of this name."""
+    if node.setting("domain") != "VOLUME" or name not in node.setting("grids"):
+        return (constant(0.0),) * 5
+    function = lookups.GRID[node.setting("volume_interpolation")]
+    return call(function, node.parameter(Attribute("grid", name)), *POSITION)
+
+
 @defines("ShaderNodeAttribute")
 def attribute_node(node: NodeInputs):
-    """Attributes of geometry, object, instancer and view layer."""
+    """Attributes of geometry, object, instancer and view layer; in volumes grids of voxels."""
     kind = node.setting("attribute_type").lower()
     name = node.setting("attribute_name")
     if node.setting("domain") in ("WORLD", "LIGHT"):
@@ -228,7 +236,10 @@ def attribute_node(node: NodeInputs):
                 "Alpha": numbers[3] if len(numbers) == 4 else constant(1.0),
             }
         return {"Color": ZERO, "Vector": ZERO, "Fac": constant(0.0), "Alpha": constant(1.0)}
-    if kind == "geometry" and (not name or node.setting("domain") == "VOLUME"):
+    if kind == "geometry" and node.setting("domain") == "VOLUME":
+        x, y, z, alpha, factor = grid(node, name)
+        return {"Color": Vector(x, y, z), "Vector": Vector(x, y, z), "Fac": factor, "Alpha": alpha}
+    if kind == "geometry" and not name:
         return {"Color": ZERO, "Vector": ZERO, "Fac": constant(0.0), "Alpha": constant(1.0)}
     function = lookups.ATTRIBUTE if kind == "geometry" else lookups.COLOR_ATTRIBUTE
     x, y, z, alpha, factor = call(function, node.parameter(Attribute(kind, name)), *BARYCENTRIC)
@@ -312,8 +323,12 @@ def point_info(node: NodeInputs):
 
 @defines("ShaderNodeVolumeInfo")
 def volume_info(node: NodeInputs):
-    """Zero: there is no volume grid."""
-    return {"Color": ZERO, "Density": constant(0.0), "Flame": constant(0.0), "Temperature": constant(0.0)}
+    """The grids "color", "density", "flame" and "temperature" of a volume; zero where there are none."""
+    # As in Cycles, a grid that nothing reads does not count.
+    found = {
+        name: grid(node, name.lower()) for name in ("Color", "Density", "Flame", "Temperature") if name in node.wanted
+    }
+    return {name: Vector(*values[:3]) if name == "Color" else values[4] for name, values in found.items()}
 
 
 def facing(normal: Vector) -> Vector:

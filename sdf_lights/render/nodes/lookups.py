@@ -32,6 +32,7 @@ from ..kernels.geometry import (
     triangle_table,
 )
 from ..kernels.textures import texture_lookup
+from ..kernels.voxels import BY_CHANCE, CUBIC, LINEAR, grid_value
 
 _constants = table("constants", np.float64)
 
@@ -306,6 +307,14 @@ COLOR_ATTRIBUTE = _of_object("attribute", _attribute, 5, 0)
 """The same, but everything is 0 if there is none."""
 ATTRIBUTE_HERE = _of_object("attribute_here", attribute_here, 5)
 """(place) → as ``ATTRIBUTE``, at the point itself, which bumps do not shift."""
+
+GRID = {
+    "LINEAR": _of_object("grid", grid_value, 5, LINEAR),
+    "CUBIC": _of_object("grid", grid_value, 5, CUBIC),
+    "BY_CHANCE": _of_object("grid", grid_value, 5, BY_CHANCE),
+}
+"""(place, x, y, z) → as ``COLOR_ATTRIBUTE``, of a grid of voxels at a world point: by Cycles' interpolation of a
+material, or see ``kernels.voxels``."""
 
 TO_OBJECT = {
     "POINT": _of_object("to_object_point", _to_object_point, 3),

@@ -12,7 +12,7 @@ from ...graph.folding import Folding
 from ...graph.formula import VARIABLE, Formula, order
 from ...graph.functions import Function
 from ...graph.numpy_evaluation import Inputs, evaluate_inputs
-from ..material import Attribute, Table
+from ..material import OBJECT_DENSITY, Attribute, Table
 
 _POINTS = 2048
 
@@ -47,7 +47,7 @@ class _Cube(Inputs):
             return super().call(function, operands)
         if function.name == "attribute":
             found = self._place(operands[0])
-            if found == Attribute("texture_space", "scale"):
+            if found in (Attribute("texture_space", "scale"), OBJECT_DENSITY):
                 return (np.ones(_POINTS),) * function.results
             generated = getattr(found, "kind", "") == "generated"
             return (*self._points, np.ones(_POINTS)) if generated else (np.zeros(_POINTS),) * function.results

@@ -14,7 +14,9 @@ from ..geometry import bounds_of, positions_of
 from .point import measure
 from .records import CELL, GRID, NOTHING
 
-SIDE = 16  # cells along an edge of a grid; fewer if there are many grids, down to ``LEAST_SIDE``
+# Cells along an edge of a grid, and of one whose medium reads voxels, which have finer details; fewer if there are many
+# grids, down to ``LEAST_SIDE``.
+SIDE, VOXEL_SIDE = 16, 32
 LEAST_SIDE = 4
 MOST_CELLS = 1 << 18
 STEP = 1.0 / 32.0  # of the width of a scene: sections of rays in the world's medium
@@ -40,19 +42,23 @@ def fill_grids(
         for instance in scene.instances
     ]
     count = sum(map(len, wanted))
-    side = int(np.clip((MOST_CELLS / max(count, 1)) ** (1.0 / 3.0), LEAST_SIDE, SIDE))
+    most = int((MOST_CELLS / max(count, 1)) ** (1.0 / 3.0))
     grids: list[tuple] = []
     cells: list[np.ndarray] = []
+    first = 0
     boxes: dict[int, tuple] = {}
     for owner, media in enumerate(wanted):
         instance = scene.instances[owner]
         if media and instance.mesh not in boxes:
             boxes[instance.mesh] = bounds_of(positions_of(scene.meshes[instance.mesh]))
+        voxels = any(attribute.kind == "grid" for attribute in instance.attributes)
+        side = int(np.clip(most, LEAST_SIDE, VOXEL_SIDE if voxels else SIDE))
         for medium in media:
             check()
             low, high = boxes[instance.mesh]
             size = np.maximum(high - low, _SMALLEST)
-            grids.append((low, size, len(cells) * side**3, medium, side))
+            grids.append((low, size, first, medium, side))
+            first += side**3
             cells.append(_cells(block, workspace, medium, owner, np.asarray(instance.matrix), low, size, side))
     return {
         "media_grids": np.array(grids, GRID),
