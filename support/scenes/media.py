@@ -6,14 +6,18 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from sdf_lights.graph.formula import Formula, Vector, constant, exp, minimum, sin
+import numpy as np
+
+from sdf_lights.graph.formula import Formula, Vector, call, constant, exp, minimum, parameter, sin
 from sdf_lights.render.lights.area import AreaLight
 from sdf_lights.render.lights.point import PointLight, SpotLight
 from sdf_lights.render.lights.sun import SunLight
-from sdf_lights.render.material import Material, Node
+from sdf_lights.render.material import Attribute, Material, Node
 from sdf_lights.render.medium import Medium, Scattering, Varying
+from sdf_lights.render.nodes.lookups import GRID
 from sdf_lights.render.nodes.variables import POSITION
-from sdf_lights.render.scene import Instance, Lamp, Scene, World
+from sdf_lights.render.scene import AttributeValues, Domain, Instance, Lamp, Scene, World
+from sdf_lights.render.voxels import packed
 from sdf_lights.sdf import shapes
 from sdf_lights.sdf.emission import EmissionExpression
 
@@ -172,5 +176,45 @@ def thinning_fog(width: int = WIDTH, height: int = HEIGHT) -> Scene:
     return with_varying_media(fog_lamp(width, height), THINNING)
 
 
-VARYING_SCENES = {builder.__name__: builder for builder in (varying_smoke, thinning_fog)}
+def voxel_cloud(width: int = WIDTH, height: int = HEIGHT) -> Scene:
+    """One lamp over a turned box of smoke, whose density and colour are grids of voxels."""
+    scene = room(width, height, max_bounces=1)
+    generator = np.random.default_rng(3)
+    density, color = generator.random((11, 9, 10, 1)) ** 4, 0.5 + 0.5 * generator.random((11, 9, 10, 3))
+    matrix, last = translation(-1.0, -1.0, -1.0) @ scaling(0.2, 0.2, 0.2), np.array(density.shape[:3]) - 1
+    numbers = [
+        packed(_parts_of(values), (0, 0, 0), last, np.zeros(values.shape[3]), matrix) for values in (density, color)
+    ]
+    grids = [Attribute("grid", name) for name in ("density", "color")]
+    (amount, *_), (red, green, blue, *_) = (
+        call(GRID["LINEAR"], parameter(index), *POSITION) for index in range(len(grids))
+    )
+    amount, zero = 4.0 * amount, Vector(*(constant(0.0),) * 3)
+    tint = Vector(red * amount, green * amount, blue * amount)
+    formulas = Varying(Vector(amount, amount, amount) - tint, (tint,), zero, grids)
+    smoke = Material("smoke", CLEAR, medium=Medium((0.1,) * 3, (Scattering((0.1,) * 3, 0.3),), varying=formulas))
+    scene.meshes.append(box())
+    scene.meshes[-1].slots = None
+    placed = translation(0.2, 0.2, 1.1) @ rotation("z", 20) @ scaling(0.9, 0.7, 0.8)
+    add(scene, len(scene.meshes) - 1, placed, smoke)
+    scene.instances[-1].attributes.update(
+        {grid: AttributeValues(Domain.WHOLE, values) for grid, values in zip(grids, numbers)}
+    )
+    scene.lamps.append(torus_lamp(-0.6, 0.0, 2.4, 40.0, 0.6))
+    return scene
+
+
+def _parts_of(values: np.ndarray):
+    """What gives parts of voxels (x, y, z, channels); zeros around them."""
+
+    def read(start, counts):
+        found = np.zeros((*counts, values.shape[3]), np.float32)
+        first, last = np.clip(start, 0, values.shape[:3]), np.clip(start + counts, 0, values.shape[:3])
+        found[tuple(map(slice, first - start, last - start))] = values[tuple(map(slice, first, last))]
+        return found
+
+    return read
+
+
+VARYING_SCENES = {builder.__name__: builder for builder in (varying_smoke, thinning_fog, voxel_cloud)}
 MEDIA_SCENES = {builder.__name__: builder for builder in (smoke, haze, fog_lamp, submerged, linked_media)}

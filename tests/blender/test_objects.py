@@ -300,10 +300,19 @@ def test_text_and_curves_in_edit_mode_are_rendered(synced, add, kind):
     assert len(mesh_of(synced(), "Edited").triangles) > 10
 
 
-def test_unsupported_objects_are_named(synced, add):
+def test_a_volume_without_a_file_is_named(synced, add):
     add("Cloud", bpy.data.volumes.new("Volume"))
     warnings = synced().warnings
     assert len(warnings) == 1 and "'Cloud'" in warnings[0] and "volume without a file" in warnings[0]
+
+
+def test_blender_draws_grease_pencil_over_the_picture(synced, add):
+    """As over that of Cycles, so there is nothing to say."""
+    data = (bpy.data.grease_pencils_v3 if hasattr(bpy.data, "grease_pencils_v3") else bpy.data.grease_pencils).new(
+        "Note"
+    )
+    add("Note", data)
+    assert synced().warnings == [] and synced().instances == []
 
 
 def test_nothing_refers_to_blender(synced, add, quad, lamp):

@@ -29,17 +29,13 @@ from .particle_hair import ParticleHairs
 from .simplify import Culling
 from .strands import Strands
 
-# Curves, text, surfaces and metaballs are not here: Blender lists their evaluated meshes as separate instances.
-_UNSUPPORTED = {
-    "GREASEPENCIL": "Grease Pencil",
-    "GPENCIL": "Grease Pencil",
-}
-
 # A flattened instance gets this fraction of its largest scale as thickness, so its matrix has an inverse.
 _THICKNESS = 1e-6
 
 
-ALL = frozenset({"MESH", "CURVES", "POINTCLOUD", "VOLUME", "LIGHT", *_UNSUPPORTED})
+# Not here: curves, text, surfaces and metaballs, whose evaluated meshes Blender lists as separate instances; Grease
+# Pencil, which Blender itself draws over the picture of any engine.
+ALL = frozenset({"MESH", "CURVES", "POINTCLOUD", "VOLUME", "LIGHT"})
 LIGHTS = frozenset({"LIGHT"})
 
 
@@ -135,12 +131,6 @@ class _Reader:
         """Add the mesh of an instance to the scene; with ``hair`` its particle hair instead."""
         obj = item.object
         kind = obj.type
-        if kind in _UNSUPPORTED:
-            self._warn(
-                f"Object '{obj.original.name}' is {_UNSUPPORTED[kind]}, which is not supported: it is left out; "
-                "convert it to a mesh."
-            )
-            return
         matrix = matrix_of(item.matrix_world)
         if not is_finite(matrix):
             self._warn(

@@ -24,6 +24,7 @@ from .geometry import Placed, Surface
 from .images import lookup
 from .strands import NONE
 from .vectors import normalize
+from .voxels import Voxels
 
 # Bump mapping takes differences over this fraction of a pixel, as in Blender, or over this many metres if a pixel's
 # width is unknown.
@@ -216,6 +217,24 @@ class Points(Inputs):
 
     def _attribute_here(self, static, place):
         return self._attribute((1,), place, *self.surface.barycentric[:, 1:].T)
+
+    def _grid(self, static, place, *point):
+        attribute, (mode,) = self.graph.places[int(place[0])], static
+        inner, scene = np.stack(self._to_object_point((), *point), -1), self.geometry.scene
+        result = np.zeros((self.count, 5))
+        for instance in np.unique(self.surface.instance):
+            found = scene.instances[instance].attributes.get(attribute)
+            if found is None:
+                continue
+            rows, voxels = self.surface.instance == instance, Voxels(np.asarray(found.values)[0])
+            values = voxels.between(inner[rows], mode)
+            if voxels.channels == 4:
+                alpha = values[:, 3:]
+                values = np.where(alpha > 1e-6, values / np.where(alpha > 1e-6, alpha, 1.0), values)
+                values[:, 3] = alpha[:, 0]
+            result[rows, :4] = _four(values)
+            result[rows, 4] = result[rows, :3].mean(1)
+        return result.T
 
     def _moved(self, matrices: np.ndarray, vector, point: bool):
         matrix = matrices[self.surface.instance]
