@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import itertools
 import pathlib
-import re
 import tempfile
 import weakref
 from collections.abc import Callable, Iterable
@@ -91,12 +90,6 @@ class Grids:
     def _of_volume(self, obj: bpy.types.Object) -> Found:
         name, volume = obj.original.name, obj.data
         grids = volume.grids
-        if not _is_regular(volume):  # a pipe would never end
-            self._warn(
-                f"Object '{name}': the file of its volume is a folder or a device, so it is left out: choose a .vdb "
-                "file."
-            )
-            return NONE
         if not grids.load():
             self._warn(
                 f"Object '{name}': its volume cannot be read ({grids.error_message}), so it is left out: choose its "
@@ -150,19 +143,6 @@ class Grids:
 
 class _Unusable(Exception):
     """A grid with the rest of a sentence on what is wrong."""
-
-
-def _is_regular(volume: bpy.types.Volume) -> bool:
-    """Whether all that a volume could read is a file or nothing: of a sequence, all whose names differ by numbers."""
-    if not volume.filepath:
-        return True
-    path = pathlib.Path(bpy.path.abspath(volume.filepath, library=volume.library))
-    same = re.compile(r"\d+".join(map(re.escape, re.split(r"\d+", path.name))))
-    try:
-        found = path.parent.iterdir() if volume.is_sequence else [path]
-        return all(each.is_file() for each in found if same.fullmatch(each.name) and each.exists())
-    except (OSError, ValueError):
-        return True  # Blender says what is wrong
 
 
 def _is_simplified(scene: bpy.types.Scene) -> bool:
