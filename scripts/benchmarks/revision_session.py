@@ -4,7 +4,8 @@
 
     revision_session.py CHECKOUT FILE.blend SIZE FEW MANY ANSWER.json
 
-Uses only what every revision has: ``scripts/host.py``, and the names of settings. Times are processor times.
+Uses only what every revision has: ``scripts/host.py``, and the names of settings. Times are processor times. The error
+of a sample is the mean over pixels of its relative variance, by the scatter of seeds.
 """
 
 import json
@@ -13,6 +14,7 @@ import sys
 import time
 
 import bpy
+import numpy as np
 
 # The same work in all revisions: a path does not split, and every pixel has as many samples as another. A revision
 # without a setting does not have what the setting switches off.
@@ -28,6 +30,28 @@ PLAIN = dict(
     lamp_paths="NEVER",
     filter_glossy=0.0,
 )
+
+
+SEEDS = 8
+FLOOR = 0.01  # part of the mean square brightness that is added to the squares which errors are relative to
+
+
+def error_of_a_sample(scene, samples: int, path: pathlib.Path) -> float:
+    scene.sdf_lights.samples = samples
+    scene.render.image_settings.file_format, scene.render.image_settings.color_depth = "OPEN_EXR", "32"
+    scene.render.filepath = str(path)
+    pictures = []
+    for seed in range(SEEDS):
+        scene.sdf_lights.seed = seed
+        bpy.ops.render.render(write_still=True)
+        image = bpy.data.images.load(str(path))
+        image.colorspace_settings.name = "Non-Color"
+        values = np.empty(len(image.pixels), np.float32)
+        image.pixels.foreach_get(values)
+        pictures.append(values.reshape(-1, 4)[:, :3].astype(float))
+        bpy.data.images.remove(image)
+    squares = np.mean(pictures, axis=0) ** 2
+    return samples * float(np.mean(np.var(pictures, axis=0, ddof=1) / (squares + FLOOR * squares.mean())))
 
 
 def main(checkout: str, blend: str, size: str, few: str, many: str, answer: str) -> None:
@@ -56,7 +80,8 @@ def main(checkout: str, blend: str, size: str, few: str, many: str, answer: str)
     seconds(1)
     short, long = seconds(int(few)), seconds(int(many))
     rate = (int(many) - int(few)) * int(size) ** 2 / (long - short)
-    pathlib.Path(answer).write_text(json.dumps(dict(start=start, rate=rate)), encoding="utf-8")
+    error = error_of_a_sample(scene, int(few), pathlib.Path(answer).with_name("picture.exr"))
+    pathlib.Path(answer).write_text(json.dumps(dict(start=start, rate=rate, error=error)), encoding="utf-8")
     host.finish(0)
 
 

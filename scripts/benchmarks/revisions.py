@@ -4,7 +4,9 @@
 
 All times are processor times of a whole process. The start is that from its launch to a first picture of 64 × 36 pixels
 and one sample. Compilation is what that takes longer with empty caches. Rates are of renders with the same work in
-both: paths do not split, and all pixels have as many samples. The file with lamps is saved by the older revision.
+both: paths do not split, and all pixels have as many samples. What a sample of a later revision costs more may pay by
+less error, so error × time is measured, too, by the scatter of eight seeds. The file with lamps is saved by the older
+revision.
 """
 
 from __future__ import annotations
@@ -94,7 +96,7 @@ def run(options) -> tuple[dict, list[dict]]:
     median = {
         (*key, what): statistics.median(one[what] for one in each[1:])
         for key, each in found.items()
-        for what in ("start", "rate")
+        for what in ("start", "rate", "error")
     }
 
     def row(what: str, before: float, now: float) -> dict:
@@ -106,6 +108,15 @@ def run(options) -> tuple[dict, list[dict]]:
         row("start to the first picture, seconds", *starts),
         row("compilation, seconds", *(found[first, w][0]["start"] - s for w, s in zip(checkouts, starts))),
         *(row(f"samples a second, {s}", *(median[s, w, "rate"] for w in checkouts)) for s in SCENES),
+        *(
+            row(f"error × time, {s}", *(median[s, w, "error"] / median[s, w, "rate"] for w in checkouts))
+            for s in SCENES
+        ),
     ]
-    names = ("start_ratio", "compilation_ratio", *(f"samples_ratio_{scene}" for scene in SCENES))
+    names = (
+        "start_ratio",
+        "compilation_ratio",
+        *(f"samples_ratio_{scene}" for scene in SCENES),
+        *(f"error_time_ratio_{scene}" for scene in SCENES),
+    )
     return dict(zip(names, (each["ratio"] for each in rows))), rows

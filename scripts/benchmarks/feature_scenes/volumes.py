@@ -4,7 +4,11 @@
 
 from __future__ import annotations
 
+import pathlib
+
 import bpy
+import host
+import numpy as np
 from scenery.materials import Graph
 from scenery.modelling import add, box
 from scenery.staging import light
@@ -111,6 +115,27 @@ def fire(scene):
     first.color, last.color = (1.0, 0.7, 0.2, 1.0), (1.0, 0.15, 0.02, 1.0)
     medium = graph.node("ShaderNodeVolumePrincipled", Density=3.0, Emission_Strength=flame, Emission_Color=color)
     bpy.data.objects["Plastic"].data.materials[0] = graph.finish(medium, "Volume")
+
+
+@feature("Volumes")
+def cloud_of_voxels(scene):
+    """A Volume object: a cloud of 64³ voxels in an OpenVDB file."""
+    scene.cycles.volume_bounces = 2
+    openvdb = host.program("blender.vdb_files").vdb()
+    place = np.stack(np.meshgrid(*[np.linspace(-1.0, 1.0, 64)] * 3, indexing="ij"), -1)
+    puffs = sum(np.sin(place * rate + rate).prod(-1) for rate in (5.0, 9.0))
+    density = np.clip(6.0 * (1.0 - np.linalg.norm(place, axis=-1)) + 4.0 * puffs, 0.0, None) * (abs(place) < 0.95).all(
+        -1
+    )
+    grid = openvdb.FloatGrid()
+    grid.copyFromArray(density.astype(np.float32))
+    grid.name, grid.transform = "density", openvdb.createLinearTransform(voxelSize=0.02)
+    path = pathlib.Path(bpy.app.tempdir) / "cloud.vdb"
+    openvdb.write(str(path), grids=[grid])
+    volume = bpy.data.volumes.new("Cloud")
+    volume.filepath = str(path)
+    volume.materials.append(_medium("Cloud", "VolumePrincipled", Density=2.0, Color=(0.9, 0.9, 0.9), Anisotropy=0.3))
+    add("Cloud", volume, location=(-1.1, -0.9, 0.3), rotation=(0, 0, 20))
 
 
 @feature("Volumes")
