@@ -3,28 +3,12 @@
 """Volumes that vary in space have the brightness that they have in Cycles."""
 
 import bpy
-import numpy as np
 import pytest
 
 from tests.blender.node_trees import new
+from tests.blender.volumes import agree, linked, set_world
 
 pytest.importorskip("_cycles")
-
-CLOSE = 0.01
-
-
-@pytest.fixture
-def frame(file, render):
-    """A frame of 12 × 8 pixels before a black world, and few bounces; Cycles marches through volumes in short steps."""
-    scene = file.scene
-    scene.render.resolution_x, scene.render.resolution_y = 12, 8
-    scene.render.film_transparent = False
-    scene.cycles.max_bounces = scene.cycles.volume_bounces = 1
-    scene.cycles.volume_step_rate = 0.2  # without effect since 5.0
-    scene.world = bpy.data.worlds.new("World")
-    scene.world.use_nodes = True
-    scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.0, 0.0, 0.0, 1.0)
-    return scene
 
 
 @pytest.fixture
@@ -42,19 +26,6 @@ def cube(add, material):
         return add("Cube", mesh, **{"location": (0.0, 0.0, 1.0), **placed})
 
     return run
-
-
-def agree(render, samples: int) -> None:
-    ours, theirs = (picture[..., :3].mean((0, 1)) for picture in render(samples))
-    assert theirs.max() > 1e-3
-    np.testing.assert_allclose(ours, theirs, rtol=CLOSE, atol=CLOSE * theirs.max())
-
-
-def linked(tree, source, kind: str, target: str, **values):
-    """A new node with a link from the socket ``source`` to its input ``target``."""
-    node = new(tree, kind, **values)
-    tree.links.new(source, node.inputs[target])
-    return node
 
 
 def smoke(tree, coordinates: str = "Object"):
@@ -83,21 +54,21 @@ def light(add, kind: str, energy: float, **values):
 
 
 @pytest.mark.parametrize("kind, energy", [("POINT", 200.0), ("SUN", 3.0)])
-def test_smoke_of_noise(frame, render, cube, add, kind, energy):
+def test_smoke_of_noise(volume_frame, render, cube, add, kind, energy):
     cube(smoke)
     light(add, kind, energy)
     agree(render, 1500)
 
 
 @pytest.mark.parametrize("coordinates", ["Generated", "Camera"])
-def test_coordinates_of_a_turned_box(frame, render, cube, add, coordinates):
+def test_coordinates_of_a_turned_box(volume_frame, render, cube, add, coordinates):
     cube(lambda tree: smoke(tree, coordinates), rotation=(0.3, 0.2, 0.5), scale=(1.2, 1.0, 0.8))
     light(add, "SUN", 3.0)
-    frame.cycles.max_bounces = frame.cycles.volume_bounces = 0
+    volume_frame.cycles.max_bounces = volume_frame.cycles.volume_bounces = 0
     agree(render, 1500)
 
 
-def test_fog_that_thins_out_with_height(frame, render, cube, add, quad, material):
+def test_fog_that_thins_out_with_height(volume_frame, render, cube, add, quad, material):
     def fog(tree):
         position = new(tree, "ShaderNodeNewGeometry").outputs["Position"]
         height = linked(tree, position, "ShaderNodeSeparateXYZ", "Vector").outputs["Z"]
@@ -108,11 +79,11 @@ def test_fog_that_thins_out_with_height(frame, render, cube, add, quad, material
 
     cube(fog, scale=(60.0, 60.0, 2.0))
     add("Floor", quad(), scale=(20.0, 20.0, 1.0))
-    frame.world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.2, 0.3, 0.5, 1.0)
+    set_world(volume_frame, (0.2, 0.3, 0.5, 1.0))
     agree(render, 1000)
 
 
-def test_colours_that_absorb_along_a_gradient(frame, render, cube):
+def test_colours_that_absorb_along_a_gradient(volume_frame, render, cube):
     def glass(tree):
         place = new(tree, "ShaderNodeTexCoord").outputs["Generated"]
         x = linked(tree, place, "ShaderNodeSeparateXYZ", "Vector").outputs["X"]
@@ -122,11 +93,11 @@ def test_colours_that_absorb_along_a_gradient(frame, render, cube):
         return linked(tree, ramp.outputs[0], "ShaderNodeVolumeAbsorption", "Color", Density=1.0).outputs[0]
 
     cube(glass, rotation=(0.0, 0.0, 0.5), scale=(1.2, 1.0, 0.8))
-    frame.world.node_tree.nodes["Background"].inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
+    set_world(volume_frame, (1.0, 1.0, 1.0, 1.0))
     agree(render, 256)
 
 
-def test_fire_of_a_ramp(frame, render, cube):
+def test_fire_of_a_ramp(volume_frame, render, cube):
     def fire(tree):
         place = new(tree, "ShaderNodeTexCoord").outputs["Object"]
         ball = new(tree, "ShaderNodeTexGradient", gradient_type="SPHERICAL")

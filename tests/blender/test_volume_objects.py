@@ -12,10 +12,10 @@ from sdf_lights.blender import vdb_files
 from sdf_lights.blender.sync.grids import dense
 from sdf_lights.render.material import Attribute
 from tests.blender.node_trees import new
+from tests.blender.volumes import agree, linked, set_world
 
 pytest.importorskip("_cycles")
 
-CLOSE = 0.01
 SIZE = 0.1  # metres, of voxels
 
 
@@ -25,24 +25,6 @@ def openvdb():
     module = vdb_files.vdb()
     assert module is not None
     return module
-
-
-@pytest.fixture
-def frame(file, render):
-    """A frame of 12 × 8 pixels before a black world, and few bounces; Cycles of 4.5 marches in short steps."""
-    scene = file.scene
-    scene.render.resolution_x, scene.render.resolution_y = 12, 8
-    scene.render.film_transparent = False
-    scene.cycles.max_bounces = scene.cycles.volume_bounces = 1
-    scene.cycles.volume_step_rate = 0.2  # without effect since 5.0
-    scene.world = bpy.data.worlds.new("World")
-    scene.world.use_nodes = True
-    set_world(scene, (0.0, 0.0, 0.0, 1.0))
-    return scene
-
-
-def set_world(scene, color) -> None:
-    scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = color
 
 
 def blobs(shape=(20, 17, 15), seed: int = 0) -> np.ndarray:
@@ -91,23 +73,10 @@ def volume(add, material):
     return run
 
 
-def agree(render, samples: int, close: float = CLOSE) -> None:
-    ours, theirs = (picture[..., :3].mean((0, 1)) for picture in render(samples))
-    assert theirs.max() > 1e-3
-    np.testing.assert_allclose(ours, theirs, rtol=close, atol=close * theirs.max())
-
-
 def light(add, kind: str, energy: float):
     data = bpy.data.lights.new(kind, kind)
     data.energy = energy
     return add(kind, data, (1.5, -1.5, 2.5), (0.6, 0.4, 0.0))
-
-
-def linked(tree, source, kind: str, target: str, **values):
-    """A new node with a link from the socket ``source`` to its input ``target``."""
-    node = new(tree, kind, **values)
-    tree.links.new(source, node.inputs[target])
-    return node
 
 
 def principled(**values):
@@ -122,34 +91,34 @@ def read(tree, name: str, output: str = "Fac"):
 
 
 @pytest.mark.parametrize("kind, energy", [("POINT", 200.0), ("SUN", 3.0)])
-def test_a_cloud_under_a_light(frame, render, cloud, volume, add, kind, energy):
+def test_a_cloud_under_a_light(volume_frame, render, cloud, volume, add, kind, energy):
     build = principled(Color=(0.8, 0.6, 0.4, 1.0), Density=6.0, Anisotropy=0.3)
     volume(cloud(density=blobs()), build)
     light(add, kind, energy)
     agree(render, 6000)
 
 
-def test_a_turned_cloud_under_the_sky(frame, render, cloud, volume):
+def test_a_turned_cloud_under_the_sky(volume_frame, render, cloud, volume):
     volume(
         cloud(density=4.0 * blobs()),
         principled(Color=(0.9, 0.7, 0.5, 1.0)),
         rotation=(0.3, 0.2, 0.5),
         scale=(1.2, -1.0, 0.8),
     )
-    set_world(frame, (0.2, 0.3, 0.5, 1.0))
+    set_world(volume_frame, (0.2, 0.3, 0.5, 1.0))
     agree(render, 1000)
 
 
-def test_density_in_the_space_of_the_world(frame, render, cloud, volume):
+def test_density_in_the_space_of_the_world(volume_frame, render, cloud, volume):
     obj = volume(cloud(density=8.0 * blobs()), principled(Color=(0.9, 0.7, 0.5, 1.0)), scale=(0.5, 0.5, 0.4))
     obj.data.render.space = "WORLD"
-    set_world(frame, (0.2, 0.3, 0.5, 1.0))
+    set_world(volume_frame, (0.2, 0.3, 0.5, 1.0))
     agree(render, 1000, 0.001)
 
 
-def test_without_a_material(frame, render, cloud, volume, add):
+def test_without_a_material(volume_frame, render, cloud, volume, add):
     volume(cloud(density=3.0 * blobs()))
-    set_world(frame, (0.5, 0.5, 0.5, 1.0))
+    set_world(volume_frame, (0.5, 0.5, 0.5, 1.0))
     agree(render, 1000)
 
 
@@ -184,31 +153,31 @@ def from_grid(name, output="Fac"):
     ],
     ids=["color", "density", "flame", "temperature", "any grid", "vector", "vector as vector", "its mean"],
 )
-def test_nodes_read_grids(frame, render, cloud, volume, output):
+def test_nodes_read_grids(volume_frame, render, cloud, volume, output):
     grids = {name: 1.0 + seed * blobs(seed=seed) for seed, name in enumerate(("flame", "temperature", "anything"), 1)}
-    frame.cycles.volume_bounces = 0
+    volume_frame.cycles.volume_bounces = 0
     volume(cloud(density=blobs(), color=VECTOR, **grids), glow(output))
     agree(render, 1500)
 
 
-def test_fire_of_a_temperature(frame, render, cloud, volume):
-    frame.cycles.volume_bounces = 0
+def test_fire_of_a_temperature(volume_frame, render, cloud, volume):
+    volume_frame.cycles.volume_bounces = 0
     path = cloud(density=blobs(), heat=3.0 * blobs(seed=4))
     volume(path, principled(Temperature=600.0, Blackbody_Intensity=1.0, Temperature_Attribute="heat"))
     agree(render, 12000)
 
 
-def test_colours_of_a_grid_absorb(frame, render, cloud, volume):
-    frame.cycles.volume_bounces = 0
+def test_colours_of_a_grid_absorb(volume_frame, render, cloud, volume):
+    volume_frame.cycles.volume_bounces = 0
     build = principled(
         Color=(1.0, 0.8, 0.6, 1.0), Density=4.0, Color_Attribute="tint", Absorption_Color=(0.1, 0.2, 0.3, 1.0)
     )
     volume(cloud(density=blobs(), tint=VECTOR), build)
-    set_world(frame, (1.0, 1.0, 1.0, 1.0))
+    set_world(volume_frame, (1.0, 1.0, 1.0, 1.0))
     agree(render, 1000)
 
 
-def test_a_ramp_of_the_density(frame, render, cloud, volume):
+def test_a_ramp_of_the_density(volume_frame, render, cloud, volume):
     """What is not linear in the grid: Cycles does not sample it by chance there."""
 
     def build(tree):
@@ -220,34 +189,34 @@ def test_a_ramp_of_the_density(frame, render, cloud, volume):
         ).outputs[0]
 
     volume(cloud(density=blobs()), build)
-    set_world(frame, (1.0, 1.0, 1.0, 1.0))
+    set_world(volume_frame, (1.0, 1.0, 1.0, 1.0))
     agree(render, 500)
 
 
-def test_cubic_interpolation(frame, render, cloud, volume):
+def test_cubic_interpolation(volume_frame, render, cloud, volume):
     obj = volume(cloud(size=0.4, density=4.0 * blobs((6, 5, 5))), glow(from_grid("density")))
     obj.data.materials[0].cycles.volume_interpolation = "CUBIC"
-    frame.cycles.volume_bounces = 0
+    volume_frame.cycles.volume_bounces = 0
     agree(render, 2500)
 
 
 @pytest.mark.skipif(bpy.app.version < (5, 0, 0), reason="before 5.0, Cycles' bounds are blocks of 8 voxels")
-def test_without_a_density_a_principled_volume_fills_its_box(frame, render, cloud, volume):
+def test_without_a_density_a_principled_volume_fills_its_box(volume_frame, render, cloud, volume):
     """The box is that of the voxels above zero, also where others are active."""
     path = cloud(color=VECTOR, background=0.25)
     volume(path, principled(Color_Attribute="color", Absorption_Color=(0.1, 0.2, 0.3, 1.0)))
-    set_world(frame, (1.0, 1.0, 1.0, 1.0))
+    set_world(volume_frame, (1.0, 1.0, 1.0, 1.0))
     agree(render, 1000)
 
 
 @pytest.mark.skipif(bpy.app.version < (5, 0, 0), reason="before 5.0, Cycles' bounds are blocks of 8 voxels")
-def test_outside_of_voxels_is_the_background(frame, render, cloud, volume):
+def test_outside_of_voxels_is_the_background(volume_frame, render, cloud, volume):
     volume(cloud(density=2.0 + blobs((6, 5, 5)), size=0.3, background=0.5), glow(from_grid("density")))
-    frame.cycles.volume_bounces = 0
+    volume_frame.cycles.volume_bounces = 0
     agree(render, 2000)
 
 
-def test_instances(frame, render, cloud, volume, file):
+def test_instances(volume_frame, render, cloud, volume, file):
     obj = volume(cloud(density=8.0 * blobs()), principled(Color=(0.9, 0.7, 0.5, 1.0)))
     group = bpy.data.collections.new("Clouds")
     file.scene.collection.objects.unlink(obj)
@@ -257,11 +226,11 @@ def test_instances(frame, render, cloud, volume, file):
         instancer.instance_type, instancer.instance_collection = "COLLECTION", group
         instancer.location, instancer.scale, instancer.rotation_euler = (place, 1.0, 0.3), (0.7,) * 3, (0.0, 0.0, place)
         file.scene.collection.objects.link(instancer)
-    set_world(frame, (0.2, 0.3, 0.5, 1.0))
+    set_world(volume_frame, (0.2, 0.3, 0.5, 1.0))
     agree(render, 1000, 0.001)
 
 
-def test_geometry_nodes_make_volumes(frame, render, add, material):
+def test_geometry_nodes_make_volumes(volume_frame, render, add, material):
     made, tree, surface = material("Volume")
     tree.links.new(principled(Density=2.0)(tree), surface.node.inputs["Volume"])
     group = bpy.data.node_groups.new("Cube", "GeometryNodeTree")
@@ -276,19 +245,19 @@ def test_geometry_nodes_make_volumes(frame, render, add, material):
     group.links.new(given.outputs[0], group.nodes.new("NodeGroupOutput").inputs[0])
     obj = add("Made", bpy.data.meshes.new("Empty"), (0.0, 0.0, 1.0), (0.0, 0.0, 0.4))
     obj.modifiers.new("Nodes", "NODES").node_group = group
-    set_world(frame, (0.2, 0.3, 0.5, 1.0))
+    set_world(volume_frame, (0.2, 0.3, 0.5, 1.0))
     agree(render, 1000)
 
 
-def test_a_surface_and_motion(frame, render, cloud, volume):
+def test_a_surface_and_motion(volume_frame, render, cloud, volume):
     """A surface of the material is that of the box, and the box moves with its object."""
     obj = volume(cloud(density=4.0 * blobs()), principled(Color=(0.9, 0.7, 0.5, 1.0)))
     for time, place in ((0, -1.0), (2, 1.0)):
         obj.location.x = place
         obj.keyframe_insert("location", frame=time)
-    frame.render.use_motion_blur, frame.render.motion_blur_shutter = True, 1.0
-    frame.frame_set(1)
-    set_world(frame, (0.2, 0.3, 0.5, 1.0))
+    volume_frame.render.use_motion_blur, volume_frame.render.motion_blur_shutter = True, 1.0
+    volume_frame.frame_set(1)
+    set_world(volume_frame, (0.2, 0.3, 0.5, 1.0))
     agree(render, 1000)
 
 
@@ -344,9 +313,9 @@ def test_files_that_cannot_be_read(synced, volume, add, quad, tmp_path, content)
     assert scene.warnings[0].startswith("Object 'Cloud': its volume cannot be read (") and "again" in scene.warnings[0]
 
 
-def test_a_material_that_reads_no_grid_shows_nothing(frame, render, cloud, volume):
+def test_a_material_that_reads_no_grid_shows_nothing(volume_frame, render, cloud, volume):
     volume(cloud(density=blobs()), lambda tree: new(tree, "ShaderNodeVolumeScatter", Density=2.0).outputs[0])
-    set_world(frame, (1.0, 1.0, 1.0, 1.0))
+    set_world(volume_frame, (1.0, 1.0, 1.0, 1.0))
     for picture in render(4):
         np.testing.assert_allclose(picture[..., :3], 1.0, atol=1e-6)
 
@@ -381,10 +350,10 @@ def test_velocities_that_would_blur_are_named(synced, file, cloud, volume):
     assert sentence.startswith("Object 'Cloud': motion blur by the velocity of its voxels")
 
 
-def test_a_domain_without_smoke_shows_nothing(frame, render, add, quad):
+def test_a_domain_without_smoke_shows_nothing(volume_frame, render, add, quad):
     obj = add("Domain", quad(), (0.0, 0.0, 1.0), (np.pi / 2, 0.0, 0.0))
     modifier = obj.modifiers.new("Fluid", "FLUID")
     modifier.fluid_type, modifier.domain_settings.domain_type = "DOMAIN", "GAS"
-    set_world(frame, (1.0, 1.0, 1.0, 1.0))
+    set_world(volume_frame, (1.0, 1.0, 1.0, 1.0))
     for picture in render(4):
         np.testing.assert_allclose(picture[..., :3], 1.0, atol=1e-6)

@@ -35,7 +35,10 @@ LOCAL_RAYS = PLAN + MOST_SECTIONS * SECTION
 # change is above ``CHANGE``. Nothing matters beyond ``FARTHEST`` steps, or behind an optical depth ``DEEPEST``.
 GROWTH, CHANGE, HALVINGS, PROBES, FARTHEST, DEEPEST = 0.35, 0.5, 8, 4, 1e6, 20.0
 UNEVEN = 0.15
-MARGIN, NEIGHBOURS, NEIGHBOUR, LEAST_SHARE = 0.25, 3, 0.5, 0.01  # as of ``grids``
+# Of bounds, also those of ``grids``: ``MARGIN`` is the part of the difference between the greatest and the least value
+# around that is added for values between the points, ``LEAST_SHARE`` the part of the greatest value in all that a cell
+# has at least. A section has ``NEIGHBOUR`` times the bound of ``NEIGHBOURS`` sections before and behind it at least.
+MARGIN, LEAST_SHARE, NEIGHBOURS, NEIGHBOUR = 0.25, 0.01, 3, 0.5
 
 _NUDGE = 1e-6  # of a cell: by how much sections at least advance
 _ADVANCE = 1e-14  # and of the distance along the ray, above its rounding

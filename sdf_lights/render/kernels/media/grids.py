@@ -11,6 +11,7 @@ import numpy as np
 from ....interruption import check
 from ...scene import Scene
 from ..geometry import bounds_of, positions_of
+from .cells import LEAST_SHARE, MARGIN
 from .point import measure
 from .records import CELL, GRID, NOTHING
 
@@ -20,8 +21,6 @@ SIDE, VOXEL_SIDE = 16, 32
 LEAST_SIDE = 4
 MOST_CELLS = 1 << 18
 STEP = 1.0 / 32.0  # of the width of a scene: sections of rays in the world's medium
-MARGIN = 0.25  # of the difference between the greatest and the least value around a cell: values between its points
-FLOOR = 0.01  # of the greatest value in the whole grid: for what lies between the points of a cell
 _SMALLEST = 1e-6  # metres: width of the box of a flat mesh
 _SEED = 5
 
@@ -81,14 +80,14 @@ def _cells(block, workspace, medium: int, owner: int, matrix, low, size, side: i
     # The bounds also see what is half a cell around.
     most, least = _windows(extinction, np.maximum, 2), _windows(extinction, np.minimum, 1)
     margin = MARGIN * (most - least)
-    floor = np.where(most.max() > least.min(), FLOOR * float(extinction.max()), 0.0)
+    floor = np.where(most.max() > least.min(), LEAST_SHARE * float(extinction.max()), 0.0)
     least = np.maximum(least - margin, 0.0)
     cells = np.zeros((side,) * 3, CELL)
     cells["majorant"] = np.maximum((most + margin).max(-1), floor)
     cells["spread"] = np.where((most > least).any(-1), np.maximum((most + margin - least).max(-1), floor), floor)
     cells["least"], cells["mean"] = least, _windows(extinction, np.add, 1) / 27.0
     means = _windows(scattering, np.add, 1)[..., 0] / 27.0
-    cells["scattering"] = np.maximum(means, FLOOR * float(scattering.max()))
+    cells["scattering"] = np.maximum(means, LEAST_SHARE * float(scattering.max()))
     cells["glow"] = np.abs(values[..., 6:9]).max()  # of all: emission between the points of a cell must not be missed
     return cells.reshape(-1)
 

@@ -51,6 +51,57 @@ def light_between(block, workspace, emitter, x, wi, distance):
 
 
 @kernel
+def place_of_light(block, emitter, finite, center, start, d, ray_length, u1, u2):
+    """Where a light is beside a ray, for ``beams.draw_distance``: the distance of the nearest point of the ray, and the
+    distance from there; ``NO_POINT`` if the light is not ``finite``."""
+    if not finite:
+        return 0.0, NO_POINT
+    target = sub(center, start)
+    x = madd(start, min(max(dot(target, d), 0.0), ray_length), d)
+    wi, distance, _, pdf, _ = lights.sample_light(block, emitter, x, BLACK, u1, u2)
+    if pdf > 0.0 and distance < math.inf:
+        target = sub(madd(x, distance, wi), start)
+    near = dot(target, d)
+    return near, math.sqrt(max(dot(target, target) - near * near, 0.0))
+
+
+@kernel
+def add_light(block, workspace, emitter, pmf, number, x, wi, distance, radiance, pdf, singular, weight, phase_density):
+    """Add the light of a sample of an emitter at the point x of the path's ray, times a ``weight`` (RGB), if it reaches
+    x. ``pmf`` and ``number`` are of the selection of the emitter."""
+    if lights.casts_shadow(block, emitter):
+        weight = mul(weight, light_between(block, workspace, emitter, x, wi, distance))
+        if is_zero(weight):
+            return
+    if lights.triangle_textured(block, emitter):
+        radiance = shade_triangle(block, workspace, emitter, x, wi, distance)
+    elif block.emission_graphs:
+        radiance = modulated(block, workspace, emitter, radiance, x, wi, distance, NO_RAY)
+    own = 1.0
+    if not singular and mis_applies(block, emitter):
+        # Phase function rays ask at x, too; the selection of the emitter is for the whole ray.
+        at_x = pdf * lights.selection_probability(block, number, x, BLACK, emitter, light_cut_of(workspace))
+        own = at_x / (at_x + phase_density)
+    contribute(block, workspace, mul(weight, radiance), own / (pmf * pdf), emitter, path_table(workspace)[0].bounce + 1)
+
+
+@kernel
+def to_point(places, lane, d):
+    """The way from the place of a pair to its point in the lamp."""
+    return madd((places[LANES + lane], places[2 * LANES + lane], places[3 * LANES + lane]), -places[lane], d)
+
+
+@kernel
+def choose(weights, count, u):
+    """The number of a weight, chosen in proportion; ``u``: up to their sum."""
+    left, chosen = u, 0
+    while chosen < count - 1 and left >= weights[chosen]:
+        left -= weights[chosen]
+        chosen += 1
+    return chosen
+
+
+@kernel
 def light_ray(block, workspace, ray_length):
     """One ray towards one emitter, from a point of the path's ray between ``t_min`` and ``ray_length``."""
     path, inside = path_table(workspace)[0], inside_table(workspace)[0]
@@ -74,15 +125,7 @@ def light_ray(block, workspace, ray_length):
             block, workspace, emitter, pmf, start, ray_length, throughput, channel_pmf, (u[1], u[2], u[3], v[0]), v[1]
         )
         return
-    near, height = 0.0, NO_POINT
-    if finite:
-        target = sub(center, start)
-        x = madd(start, min(max(dot(target, d), 0.0), ray_length), d)
-        wi, distance, _, pdf, _ = lights.sample_light(block, emitter, x, BLACK, u[1], u[2])
-        if pdf > 0.0 and distance < math.inf:
-            target = sub(madd(x, distance, wi), start)
-        near = dot(target, d)
-        height = math.sqrt(max(dot(target, target) - near * near, 0.0))
+    near, height = place_of_light(block, emitter, finite, center, start, d, ray_length, u[1], u[2])
     place, place_density = draw_distance(extinction, ray_length, channel_pmf, near, height, v[0])
     if not place_density > 0.0:
         return
@@ -92,20 +135,7 @@ def light_ray(block, workspace, ray_length):
         return
     value, phase_density = phase(block, workspace, inside, dot(d, wi))
     weight = scale(mul(scattering, attenuation(extinction, place)), value / place_density)
-    if lights.casts_shadow(block, emitter):
-        weight = mul(weight, light_between(block, workspace, emitter, x, wi, distance))
-        if is_zero(weight):
-            return
-    if lights.triangle_textured(block, emitter):
-        radiance = shade_triangle(block, workspace, emitter, x, wi, distance)
-    elif block.emission_graphs:
-        radiance = modulated(block, workspace, emitter, radiance, x, wi, distance, NO_RAY)
-    own = 1.0
-    if not singular and mis_applies(block, emitter):
-        # Phase function rays ask at x, too; the selection of the emitter is for the whole ray.
-        at_x = pdf * lights.selection_probability(block, number, x, BLACK, emitter, light_cut_of(workspace))
-        own = at_x / (at_x + phase_density)
-    contribute(block, workspace, mul(weight, radiance), own / (pmf * pdf), emitter, path.bounce + 1)
+    add_light(block, workspace, emitter, pmf, number, x, wi, distance, radiance, pdf, singular, weight, phase_density)
 
 
 @kernel
@@ -135,7 +165,7 @@ def _light_by_lamp(block, workspace, lamp, pmf, start, ray_length, throughput, c
         colours(block, row.glow, stack)
     total = 0.0
     for lane in range(count):
-        to = madd((places[LANES + lane], places[2 * LANES + lane], places[3 * LANES + lane]), -places[lane], d)
+        to = to_point(places, lane, d)
         square = dot(to, to)
         if not square > 0.0:
             weights[lane] = 0.0
@@ -148,14 +178,11 @@ def _light_by_lamp(block, workspace, lamp, pmf, start, ray_length, throughput, c
         total += weights[lane]
     if not 0.0 < total < math.inf:
         return
-    left, chosen = choice * total, 0
-    while chosen < count - 1 and left >= weights[chosen]:
-        left -= weights[chosen]
-        chosen += 1
+    chosen = choose(weights, count, choice * total)
     if not weights[chosen] > 0.0:
         return
     place = places[chosen]
-    to = madd((places[LANES + chosen], places[2 * LANES + chosen], places[3 * LANES + chosen]), -place, d)
+    to = to_point(places, chosen, d)
     distance = length(to)
     wi = scale(to, 1.0 / distance)
     emission = density(block, row.glow, stack, chosen) if row.glow >= 0 else vec(row.emission)

@@ -17,22 +17,30 @@ from ....emitter.emission.varying import COLOUR_STACK, LANES, colours, density, 
 from ....emitter.lamps import lamps as lamp_table
 from ....jit import kernel, specialised, stack_array
 from ....replaced import replaced_on_gpu
-from ....vec import average, dot, is_zero, largest, length, madd, mul, put, scale, sub, vec
+from ....vec import add, average, dot, is_zero, largest, length, madd, mul, put, scale, sub, vec
 from ...scene import Ray
 from .. import lights
-from ..emission_graphs import NO_RAY, modulated
-from ..next_event import mis_applies, shade_triangle
 from ..outputs.state import LIGHT_RAY as LIGHT_RAY_OUTPUT
 from ..outputs.state import scattered_in_medium
 from ..path import KEPT_RAY, LIGHT_SET, MEDIA_SETS, PLACE_SET, contribute, path_table
 from ..ray_origins import clear_self_primitive
 from ..rays import ray_table
 from ..samplers import get_2d, get_4d
-from ..workspace import light_cut_of, spans_of
+from ..workspace import spans_of
 from . import light_rays, travel
 from .beams import facing_density, facing_distance, view_angle
 from .cells import LOCAL_RAYS, SECTION, enter_cells, survey
-from .in_scattering import BLACK, FEW_PAIRS, NO_POINT, PAIRS, STEPS, light_between
+from .in_scattering import (
+    BLACK,
+    FEW_PAIRS,
+    PAIRS,
+    STEPS,
+    add_light,
+    choose,
+    light_between,
+    place_of_light,
+    to_point,
+)
 from .phase import phase, sample_phase
 from .point import (
     FADE_SEED,
@@ -134,15 +142,7 @@ def _light_ray(block, workspace, rays, found, ray_length, depth, total):
         return
     by = 1.0
     if place < 0.0:
-        near, height = 0.0, NO_POINT
-        if finite:
-            target = sub(center, start)
-            x = madd(start, min(max(dot(target, d), 0.0), ray_length), d)
-            wi, distance, _, pdf, _ = lights.sample_light(block, emitter, x, BLACK, u[1], u[2])
-            if pdf > 0.0 and distance < math.inf:
-                target = sub(madd(x, distance, wi), start)
-            near = dot(target, d)
-            height = math.sqrt(max(dot(target, target) - near * near, 0.0))
+        near, height = place_of_light(block, emitter, finite, center, start, d, ray_length, u[1], u[2])
         place, by = _draw_place(block, inside, rays, found, ray_length, total, near, height, v[0])
         if not by > 0.0:
             return
@@ -151,29 +151,16 @@ def _light_ray(block, workspace, rays, found, ray_length, depth, total):
     if pdf <= 0.0 or largest(radiance) <= 0.0:
         return
     if depth <= THIN:
-        weight = _reach(block, workspace, inside, start, d, place, rays, found)
+        weight = _scattering_seen(block, workspace, inside, start, d, place, rays, found)
     value, phase_density = phase_here(block, workspace, inside, dot(d, wi))
     weight = scale(weight, value / by)
     if is_zero(weight):
         return
-    if lights.casts_shadow(block, emitter):
-        weight = mul(weight, light_between(block, workspace, emitter, x, wi, distance))
-        if is_zero(weight):
-            return
-    if lights.triangle_textured(block, emitter):
-        radiance = shade_triangle(block, workspace, emitter, x, wi, distance)
-    elif block.emission_graphs:
-        radiance = modulated(block, workspace, emitter, radiance, x, wi, distance, NO_RAY)
-    own = 1.0
-    if not singular and mis_applies(block, emitter):
-        # Phase function rays ask at x, too; the selection of the emitter is for the whole ray.
-        at_x = pdf * lights.selection_probability(block, number, x, BLACK, emitter, light_cut_of(workspace))
-        own = at_x / (at_x + phase_density)
-    contribute(block, workspace, mul(weight, radiance), own / (pmf * pdf), emitter, path.bounce + 1)
+    add_light(block, workspace, emitter, pmf, number, x, wi, distance, radiance, pdf, singular, weight, phase_density)
 
 
 @kernel
-def _reach(block, workspace, inside, start, d, place, rays, found):
+def _scattering_seen(block, workspace, inside, start, d, place, rays, found):
     """The part of the light (RGB, 1/m) that a medium scatters at a place of the path's ray and that reaches its start;
     and the weights of the phase functions there, in the workspace."""
     describe(workspace, d, path_table(workspace)[0].kind)
@@ -219,14 +206,14 @@ def _light_by_lamp(
         places[LANES + lane], places[2 * LANES + lane], places[3 * LANES + lane] = way
         weights[lane] = 1.0 / by if by > 0.0 else 0.0
         if row.glow >= 0:
-            place_colour(block, row.glow, madd(origin, 1.0, way), lane, stack)
+            place_colour(block, row.glow, add(origin, way), lane, stack)
     if row.glow >= 0:
         for lane in range(count, LANES):
             place_colour(block, row.glow, origin, lane, stack)
         colours(block, row.glow, stack)
     total = 0.0
     for lane in range(count):
-        to = madd((places[LANES + lane], places[2 * LANES + lane], places[3 * LANES + lane]), -places[lane], d)
+        to = to_point(places, lane, d)
         square = dot(to, to)
         if not square > 0.0:
             weights[lane] = 0.0
@@ -238,14 +225,11 @@ def _light_by_lamp(
         total += weights[lane]
     if not 0.0 < total < math.inf:
         return
-    left, chosen = choice * total, 0
-    while chosen < count - 1 and left >= weights[chosen]:
-        left -= weights[chosen]
-        chosen += 1
+    chosen = choose(weights, count, choice * total)
     if not weights[chosen] > 0.0:
         return
     place = places[chosen]
-    to = madd((places[LANES + chosen], places[2 * LANES + chosen], places[3 * LANES + chosen]), -place, d)
+    to = to_point(places, chosen, d)
     distance = length(to)
     wi = scale(to, 1.0 / distance)
     emission = density(block, row.glow, stack, chosen) if row.glow >= 0 else vec(row.emission)
@@ -254,7 +238,7 @@ def _light_by_lamp(
     if not by > 0.0:
         return
     if collision < 0.0:
-        weight = _reach(block, workspace, inside, start, d, place, rays, found)
+        weight = _scattering_seen(block, workspace, inside, start, d, place, rays, found)
     value, _ = phase_here(block, workspace, inside, dot(wi, d))
     x = madd(start, place, d)
     weight = scale(mul(weight, light_between(block, workspace, lamp, x, wi, distance)), value)
