@@ -208,12 +208,14 @@ def render(file, pictures):
 
 @pytest.fixture
 def volume_frame(file, render):
-    """A frame of 12 × 8 pixels before a black world, and few bounces; Cycles of 4.5 marches in short steps."""
+    """A frame of 12 × 8 pixels before a black world, and few bounces; Cycles marches in short steps."""
     scene = file.scene
     scene.render.resolution_x, scene.render.resolution_y = 12, 8
     scene.render.film_transparent = False
     scene.cycles.max_bounces = scene.cycles.volume_bounces = 1
-    scene.cycles.volume_step_rate = 0.2  # without effect since 5.0
+    scene.cycles.volume_step_rate = 0.2
+    if bpy.app.version >= (5, 0, 0):
+        scene.cycles.volume_biased = True  # else Cycles prepares 3.5 seconds for its tracking
     scene.world = bpy.data.worlds.new("World")
     scene.world.use_nodes = True
     scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.0, 0.0, 0.0, 1.0)

@@ -174,10 +174,12 @@ def test_coefficients_of_almost_nothing_leave_pictures_finite():
     assert np.isfinite(rendered(scene, 32)).all()
 
 
-@pytest.mark.parametrize("name", media.VARYING_SCENES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name == "voxel_cloud")) for name in media.VARYING_SCENES]
+)
 def test_path_tracer_agrees_with_reference(name):
     make = media.VARYING_SCENES[name]
-    agree(pictures(cpu, make, 8, WITH_MEDIA), pictures(ReferenceRenderer, make, 8, WITH_MEDIA), WITH_MEDIA)
+    agree(pictures(cpu, make, 4, WITH_MEDIA), pictures(ReferenceRenderer, make, 4, WITH_MEDIA), WITH_MEDIA)
 
 
 @pytest.mark.slow
@@ -189,7 +191,8 @@ def test_path_tracer_agrees_with_reference_where_all_media_vary(name):
     agree(pictures(cpu, make, 4, WITH_MEDIA), pictures(ReferenceRenderer, make, 4, WITH_MEDIA), WITH_MEDIA)
 
 
-@pytest.mark.parametrize("name", media.VARYING_SCENES)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["varying_smoke", "thinning_fog"])
 def test_majorants_of_the_reference_that_are_too_small_only_add_noise(name, monkeypatch):
     make = media.VARYING_SCENES[name]
     monkeypatch.setattr(varying_media, "MARGIN", -0.4)
