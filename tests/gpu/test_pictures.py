@@ -43,6 +43,11 @@ FOUND = 2e-3, 2e-2
 # Scenes that are not compared with the others: some have tests of their own, a rolling shutter and lamps that
 # change are not on the GPU, and software OpenGL ends the long loops of a network.
 MOVING = ("moving", "moving_strands")
+# Lamps that differ in how cuts sample them.
+BY_CUTS = (
+    *("data_lamps", "field_lamps", "colored_lamps", "varying_lamps", "frame_lamp", "cove", "inside_lamp"),
+    *("submerged", "shadow_catcher", "light_control", "instances"),
+)
 APART = ("network_lamp", "torus_room", "subsurface", "fog_lamp", "fur", "rolling", "changing_lamps", *MOVING)
 SCENES = scenes.SCENES | media.MEDIA_SCENES | strands.STRAND_SCENES
 
@@ -263,7 +268,7 @@ def test_lobes_in_fog():
 def test_motion_blur(name):
     """On the GPU, all pixels of a sample have the same time, so seeds are compared, not pixels."""
     passes = ("Combined", "Normal", "Emission")
-    cpu, gpu = both(name, LampSampling.MIS, passes=passes, seeds=16)
+    cpu, gpu = both(name, LampSampling.MIS, passes=passes, seeds=8)
     failures = differences(cpu, gpu, by_seed)
     assert not failures, "; ".join(failures)
 
@@ -325,6 +330,7 @@ def test_faces_in_the_same_place():
     assert cpu.read("Combined")[..., :3].mean() < 0.9 * alone.read("Combined")[..., :3].mean()
 
 
+@pytest.mark.slow
 def test_hair_and_points():
     compare("fur")
 
@@ -359,7 +365,7 @@ def test_light_through_a_veil_where_cuts_do_not_pay():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [name for name in SCENES if name not in APART and SCENES[name](8, 6).lamps])
+@pytest.mark.parametrize("name", BY_CUTS)
 def test_scene_by_cuts(name):
     compare_cuts(name)
 

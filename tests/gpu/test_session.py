@@ -95,6 +95,7 @@ def test_the_gpu_says_that_it_has_no_rolling_shutter():
     assert np.abs(blurred - sharp).max() > 0.05
 
 
+@pytest.mark.slow
 def test_the_cpu_takes_over_where_a_lamp_changes_its_shape():
     scene = scenes.SCENES["changing_lamps"](8, 6)
     scene.settings.device, scene.settings.samples = Device.GPU, 1

@@ -25,7 +25,7 @@ SCENES = scenes.SCENES | media.MEDIA_SCENES | strands.STRAND_SCENES
 PASSES = ("Combined", "Depth", "Position", "Normal", "Diffuse Color", "Denoising Albedo", "Emission", "SDF Lamps")
 # The first surface of a path is left to chance in media: where both find it by other chances, its data differ.
 WITH_MEDIA = ("Combined", "SDF Lamps")
-# Of the default suite. The slow one has them all.
+# Of the default suite.
 QUICK = (
     "torus_room",
     "blender_lights",
@@ -42,6 +42,7 @@ QUICK = (
 # Of a rolling shutter the reference builds the scene anew for each line of each sample. It integrates the volume of
 # each shape that a lamp has while the shutter is open, and follows rays through networks in small steps.
 COSTLY = ("rolling", "changing_lamps", "network_lamp")
+CLOSELY = ("torus_room", "blender_lights", "principled_without_caustics", "varying_lamps")
 
 
 def pictures(renderer, make, samples: int, passes: tuple[str, ...] = PASSES) -> dict[str, np.ndarray]:
@@ -91,9 +92,15 @@ def agree(cpu: dict[str, np.ndarray], reference: dict[str, np.ndarray], passes: 
     assert not failures, "; ".join(failures)
 
 
-@pytest.mark.parametrize("name", QUICK)
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=() if name in QUICK else pytest.mark.slow)
+        for name in scenes.SCENES | strands.STRAND_SCENES
+    ],
+)
 def test_path_tracer_agrees_with_reference(name):
-    compare(name, 4)
+    compare(name, 1 if name in COSTLY else 4)
 
 
 @pytest.mark.parametrize("name", ["fog_lamp"])
@@ -104,11 +111,11 @@ def test_media_agree_with_reference(name):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", media.MEDIA_SCENES)
 def test_media_agree_with_reference_closely(name):
-    compare(name, 16, WITH_MEDIA)
+    compare(name, 8, WITH_MEDIA)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", scenes.SCENES | strands.STRAND_SCENES)
+@pytest.mark.parametrize("name", CLOSELY)
 def test_path_tracer_agrees_with_reference_closely(name):
-    """All scenes, with error bars 0.7 times as wide where the reference is fast enough."""
-    compare(name, 4 if name in COSTLY else 8)
+    """With error bars half as wide."""
+    compare(name, 16)

@@ -15,7 +15,7 @@ from support.rivals import samplers
 from support.scenes import SCENES, add, material, rotation, scaling, torus_lamp, translation
 
 WIDTH, HEIGHT, BLOCK = 32, 24, 8
-RENDERS = 64
+RENDERS = 32
 
 # Points of the lamp alone have no finite variance where a surface is next to a lamp, or in it.
 ALONE = {"PROJECTION", "SURFACE", "BOUNDING"}
@@ -101,7 +101,7 @@ def _blocks(picture):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", BUILDERS)
 def test_unbiased(name):
-    """64 renders of a single sample, by blocks of 8 × 8 pixels: within 4 standard errors of what many samples give.
+    """32 renders of a single sample, by blocks of 8 × 8 pixels: within 4 standard errors of what many samples give.
 
     Of the 12 blocks of 9 scenes and 3 to 6 samplings that is exceeded by chance once in 50 runs with other seeds.
     """

@@ -297,14 +297,12 @@ def _metals(scene) -> None:
         scene.instances[index].materials = (len(scene.materials) - 1,)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "limit, change",
     [
         (1.0, lambda scene: None),
-        *(
-            pytest.param(limit, change, marks=pytest.mark.slow)
-            for limit, change in ((1.0, _metals), (1.0, _everywhere(SHINY)), (4.0, _metals), (0.2, _everywhere(SHINY)))
-        ),
+        *((1.0, _metals), (1.0, _everywhere(SHINY)), (4.0, _metals), (0.2, _everywhere(SHINY))),
     ],
     ids=["glass and coat", "metal", "mirrors", "high limit", "low limit"],
 )
@@ -367,11 +365,8 @@ def _panel(strength):
     return change
 
 
-@pytest.mark.parametrize(
-    "strength",
-    [30.0, pytest.param(30.0 * BACKFACING, marks=pytest.mark.slow)],
-    ids=["both sides", "one side"],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("strength", [30.0, 30.0 * BACKFACING], ids=["both sides", "one side"])
 def test_light_paths_of_meshes_leave_the_mean(strength):
     """As those of lights."""
     found = [
@@ -386,9 +381,8 @@ def test_light_paths_of_meshes_leave_the_mean(strength):
     assert noise[1] < 0.7 * noise[0]
 
 
-@pytest.mark.parametrize(
-    "light", [name if name == "area" else pytest.param(name, marks=pytest.mark.slow) for name in LIGHTS]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("light", LIGHTS)
 def test_light_paths_of_lights_leave_the_mean(light):
     """Means of the whole over 24 renders each agree within 4.5 standard errors: by chance, one set of seeds in ten
     thousand would not. Without light paths, many blocks get no light in any of so few samples, so they say nothing.
@@ -422,12 +416,10 @@ def _sheet(scene) -> None:
     scene.materials[scene.instances[5].materials[0]] = material("translucent", "sheet", color=(0.8, 0.8, 0.8))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("change", "less"),
-    [
-        (_everywhere(PLASTIC), 0.4),
-        *(pytest.param(change, less, marks=pytest.mark.slow) for change, less in ((_sheet, 0.5), (_nodes, 0.7))),
-    ],
+    [(_everywhere(PLASTIC), 0.4), (_sheet, 0.5), (_nodes, 0.7)],
     ids=["rough lobes", "translucent", "light with nodes"],
 )
 def test_they_take_over_the_light_of(change, less):

@@ -144,9 +144,12 @@ class TestPictures:
     @pytest.mark.parametrize(
         "shapes",
         [
-            (Torus(0.3, 0.1), Torus(0.8, 0.05), Torus(0.5, 0.2)),
-            pytest.param(
-                (Difference(Box(0.3), Sphere(0.35)), Difference(Box(0.6), Sphere(0.75))), marks=pytest.mark.slow
+            *(
+                pytest.param(shapes, marks=pytest.mark.slow)
+                for shapes in (
+                    (Torus(0.3, 0.1), Torus(0.8, 0.05), Torus(0.5, 0.2)),
+                    (Difference(Box(0.3), Sphere(0.35)), Difference(Box(0.6), Sphere(0.75))),
+                )
             ),
             (Torus(0.3, 0.1), Box(0.4)),
         ],

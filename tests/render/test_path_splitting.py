@@ -53,7 +53,8 @@ def pictures(branches: int, seeds: int, samples: int, **changes) -> tuple[np.nda
     return np.array([film.read("Combined")[..., :3] for film in films], np.float64), float(work)
 
 
-@pytest.mark.parametrize("shade", [False, pytest.param(True, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("shade", [False, True])
 def test_branches_change_the_noise_alone(shade):
     """Block means of 24 renders each agree within 4 standard errors; pictures of 1 and 8 branches differ in noise.
 

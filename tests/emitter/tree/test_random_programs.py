@@ -20,14 +20,14 @@ def judge(seeds) -> tuple[int, int, list[int]]:
 
 
 def test_certified_programs_lose_nothing():
-    lamps, certified, wrong = judge(range(48))
+    lamps, certified, wrong = judge(range(24))
     assert not wrong, [random_programs.program(seed) for seed in wrong]
-    assert lamps >= 30 and certified >= 15
+    assert lamps >= 15 and certified >= 7
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("part", range(5))
-def test_certified_programs_lose_nothing_of_five_hundred(part):
+@pytest.mark.parametrize("part", range(3))
+def test_certified_programs_lose_nothing_of_three_hundred(part):
     lamps, certified, wrong = judge(range(1000 + 100 * part, 1100 + 100 * part))
     assert not wrong, [random_programs.program(seed) for seed in wrong]
     assert lamps >= 60 and certified >= 30

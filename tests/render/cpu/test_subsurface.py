@@ -110,7 +110,7 @@ def test_an_instance_is_as_a_mesh_of_its_own():
     np.testing.assert_allclose(twice.mean((0, 1)), ones.mean((0, 1)), rtol=1e-3)
 
 
-@pytest.mark.parametrize("method", ["RANDOM_WALK", "BURLEY"])
+@pytest.mark.parametrize("method", [pytest.param("RANDOM_WALK", marks=pytest.mark.slow), "BURLEY"])
 def test_branches_change_the_noise_alone(method):
     """Under a gloss paths divide at the entry, and by themselves at the exit: means of 12 renders each agree within 4
     standard errors, also where a lamp is sampled by its cut at either."""
