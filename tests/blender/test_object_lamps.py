@@ -359,7 +359,7 @@ def _around(shape, rng, count):
 
 
 @pytest.mark.slow
-def test_no_ray_of_a_million_has_a_wrong_number_of_crossings(text, curve, lamp):
+def test_no_ray_of_two_hundred_thousand_has_a_wrong_number_of_crossings(text, curve, lamp):
     from support.lamps import oracle
     from support.lamps.rays import Traced
 
@@ -371,13 +371,13 @@ def test_no_ray_of_a_million_has_a_wrong_number_of_crossings(text, curve, lamp):
         _shape(curve(spring, "NURBS", bevel_depth=0.1), lamp),
     ]
     for shape in shapes:
-        origins, directions = _around(shape, np.random.default_rng(5), 250_000)
+        origins, directions = _around(shape, np.random.default_rng(5), 50_000)
         traced = Traced(shape)
         assert traced.tree.certified
         found = traced.trace(origins, directions)
         truth = oracle.find(shape, origins, directions)
         verdict = oracle.judge(shape, origins, directions, found[:, 0].astype(int), found[:, 1], truth)
-        assert truth.counts.sum() > 10_000 and verdict.wrong == 0.0
+        assert truth.counts.sum() > 2_000 and verdict.wrong == 0.0
 
 
 def test_a_paragraph_costs_at_most_twice_a_letter(text, lamp):
