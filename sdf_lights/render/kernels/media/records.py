@@ -36,8 +36,9 @@ BOUNDS = np.dtype([("medium", "i4"), ("only", "i4")], align=True)
 
 # The media around a ray: ``count`` of them, each with its ``owner``, the instance that bounds it, and the material with
 # this medium; and the sums of their coefficients. ``across`` is the medium behind the surface that the path has hit,
-# which the path ``enters`` or leaves if it passes through. ``varies``: how many of them vary in space; the sums leave
-# them out.
+# which the path ``enters`` or leaves if it passes through. ``passed`` is the medium that it has entered
+# (``passed_enters``) or left at the last surface that only bounds one; NOTHING: none. ``varies``: how many of them vary
+# in space; the sums leave them out.
 INSIDE = np.dtype(
     [
         ("count", "i8"),
@@ -51,6 +52,9 @@ INSIDE = np.dtype(
         ("across", "i4"),
         ("across_owner", "i4"),
         ("enters", "i8"),
+        ("passed", "i4"),
+        ("passed_owner", "i4"),
+        ("passed_enters", "i8"),
         ("varies", "i8"),
     ],
     align=True,

@@ -14,7 +14,7 @@ from ....jit import kernel
 from ....vec import dot, madd, negate, put, put_sum, transform_vector, vec
 from ...scene import Ray
 from .. import lights
-from ..geometry import hit_material, instance_at, instance_table, surface_table
+from ..geometry import go_through_hit, hit_material, instance_at, instance_table, surface_table
 from ..path import path_table
 from ..rays import beyond, hit_instance, hit_normal, intersect, ray_table
 from .dispatch import BEGIN, CROSS, ESCAPE, LOOK, NOTE, PASS
@@ -55,7 +55,7 @@ def _settle(block, inside):
 @kernel
 def outside(block, inside):
     """Leave all media but the world's."""
-    inside.count = 0
+    inside.count, inside.passed = 0, NOTHING
     if block.world_medium >= 0:
         inside.count = 1
         inside.medium[0], inside.owner[0] = block.world_medium, WORLD
@@ -122,8 +122,12 @@ def cross_hit(block, inside, ray, direction):
 
 @kernel
 def _note_surface(block, workspace):
-    """Record the medium behind the surface that the path has hit."""
-    inside, surface = inside_table(workspace)[0], surface_table(workspace)[0]
+    """Record the medium behind the surface that the path has hit. A surface that only bounds a medium and lies in the
+    same place counts as behind it: a floor is met inside of the fog that lies on it, not below it."""
+    inside, surface, path = inside_table(workspace)[0], surface_table(workspace)[0], path_table(workspace)[0]
+    if inside.passed != NOTHING and path.length <= beyond(path.t_min):
+        cross(block, inside, inside.passed, inside.passed_owner, inside.passed_enters == 0)
+    inside.passed = NOTHING
     inside.across = bounds_table(block)[surface.material].medium
     inside.across_owner = surface.instance
     inside.enters = int(surface.backfacing == 0)
@@ -133,10 +137,15 @@ def _note_surface(block, workspace):
 def _pass_bounds(block, workspace):
     """If the surface that the path's ray has hit only bounds a medium, pass through it. Returns whether it does."""
     path, ray = path_table(workspace)[0], ray_table(workspace)[0]
-    if not bounds_table(block)[met_bounds(block, ray)].only:
+    bounds = bounds_table(block)[met_bounds(block, ray)]
+    if not bounds.only:
         return False
-    cross_hit(block, inside_table(workspace)[0], ray, vec(path.direction))
-    path.t_min = beyond(path.length)
+    inside = inside_table(workspace)[0]
+    before = inside.count
+    cross_hit(block, inside, ray, vec(path.direction))
+    inside.passed, inside.passed_owner = bounds.medium if inside.count != before else NOTHING, hit_instance(ray)
+    inside.passed_enters = int(inside.count > before)
+    path.t_min = go_through_hit(block, workspace, path.t_min)
     path.crossed += 1
     if path.crossed >= MOST_BOUNDS:
         put(path.throughput, BLACK)
