@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Rays go through faces that lie exactly in the same place as others, and miss none of these: a box of fog on a floor,
-boxes of fog side by side, a label on a wall."""
+boxes of fog side by side, a clear label on it."""
 
 import numpy as np
 import pytest

@@ -29,8 +29,8 @@ from ...vec import (
 from ..material import Attribute
 from ..scene import AttributeValues, Domain, Instance, Mesh, Primitive, Ray, Scene
 from ..strands import radii_of, strand_of, world_scale
-from .ray_origins import ALONE, EXACT, exact_origin, number_of, pass_through_face
-from .rays import beyond, hit_instance, hit_normal, ray_table, world_positions
+from .ray_origins import ALONE, exact_origin, number_of
+from .rays import hit_instance, hit_normal, ray_table, world_positions
 from .shading.material_records import MATERIAL
 from .shading.records import NEEDS_DERIVATIVES, NEEDS_OBJECT_NORMAL, NEEDS_RADIAL, NEEDS_SHADOW_POINT, SURFACE
 from .shared_places import EVERYWHERE, may_compare, shared_places
@@ -337,32 +337,6 @@ def shares(block, instance, p):
         if low[0] <= p[0] <= high[0] and low[1] <= p[1] <= high[1] and low[2] <= p[2] <= high[2]:
             return True
     return False
-
-
-@kernel
-def go_through_hit(block, workspace, t_min):
-    """Distance from which the workspace's ray goes on that passes through what it has hit from ``t_min`` on: see
-    ``pass_through_face``."""
-    ray = ray_table(workspace)[0]
-    t = float(ray.t_far)
-    instance, triangle = instance_at(block, hit_instance(ray)), np.int64(ray.primitive)
-    if instance.primitive != TRIANGLES:
-        return beyond(t)
-    p0 = corner_position(block, instance, triangle, 0)
-    edge1 = sub(corner_position(block, instance, triangle, 1), p0)
-    edge2 = sub(corner_position(block, instance, triangle, 2), p0)
-    if not shares(block, instance, madd(madd(p0, float(ray.u), edge1), float(ray.v), edge2)):
-        return beyond(t)
-    return pass_through_face(ray, number_of(hit_instance(ray), triangle), t, t_min)
-
-
-@kernel
-def go_through_surface(workspace, t, t_min):
-    """The same for the workspace's surface, which the path's ray has hit at ``t``."""
-    surface = surface_table(workspace)[0]
-    if surface.exact_origin != EXACT:
-        return beyond(t)
-    return pass_through_face(ray_table(workspace)[0], surface.number, t, t_min)
 
 
 @replaced_on_gpu

@@ -17,7 +17,7 @@ from ...vec import absolute, average, dot, largest, mul, negate, put, put_sum, s
 from . import lights
 from .camera import camera_ray, filter_offset, view_depth
 from .gather import gather_lamps, gather_lights, gather_surface, gather_world, last_lamp_exit
-from .geometry import find_surface, go_through_surface, instance_table, shading_material_table, surface_table
+from .geometry import find_surface, instance_table, shading_material_table, surface_table
 from .light_paths import dispatch as light_paths
 from .light_paths.records import FOLLOW_ALL
 from .media import dispatch as media
@@ -43,6 +43,7 @@ from .path import (
     sample_table,
     subtract_alpha,
 )
+from .ray_continuation import continue_past_surface
 from .ray_origins import clear_self_primitive, offset_ray_origin, spawn_ray
 from .rays import intersect, ray_table, start_anew
 from .samplers import get_1d, get_2d, get_3d
@@ -187,7 +188,7 @@ def scatter(block, workspace):
             path.stopped |= shading_material_table(block)[surface.material].flags & STOPS_LIGHT_RAYS
         if path.transparent >= block.transparent_bounces:
             path.last = 1  # as in Cycles: the surface behind the last one only shows its emission
-        path.t_min = go_through_surface(workspace, path.length, path.t_min)
+        path.t_min = continue_past_surface(workspace, path.length, path.t_min)
         put(path.throughput, throughput)
         if surface.portal:
             path.connects = NOWHERE
@@ -402,7 +403,7 @@ def shade_and_scatter(block, workspace, whole):
         if not surface.portal:
             path.transparent += 1
             path.stopped |= flags & STOPS_LIGHT_RAYS
-            path.t_min = go_through_surface(workspace, t_to, path.t_min)
+            path.t_min = continue_past_surface(workspace, t_to, path.t_min)
             put(path.throughput, mul(vec(path.throughput), transparent))
             if block.has_media:
                 media.bounds(block, workspace, media.CROSS)

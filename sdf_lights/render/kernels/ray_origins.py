@@ -16,7 +16,7 @@ import numpy as np
 from ...jit import Callback, kernel, table
 from ...replaced import replaced_on_gpu
 from ...vec import cross, dot, madd, sub, vec
-from .rays import NONE, OFFSET, beyond, ray_table
+from .rays import NONE, OFFSET, ray_table
 
 # RTCFilterFunctionNArguments (rtcore_geometry.h): addresses, and how many rays there are. A table has its length after
 # its address, which is never asked for here: the number of rays stands in for all.
@@ -43,7 +43,6 @@ _INSTANCES_APART = 0x9E3779B1  # 2^32 over the golden ratio
 # A triangle's point is this many roundings of Embree's numbers or more from its edges, or the origin of a ray is
 # offset.
 _ROUNDINGS = 8.0
-JUST_BEFORE = 0.25 * OFFSET  # relative step before a face, so that rounding hides no other in the same place
 OFFSET_ORIGIN, EXACT, ALONE = range(3)  # how rays leave a point: ``spawn_ray``
 # Of ``step_size``: a rounding of Embree's positions, or more, and half of the distance to the edges of the triangle.
 LEAST = 2.0**-4
@@ -113,18 +112,6 @@ def spawn_ray(workspace, surface, direction):
     ray.id = surface.number
     ray.least = LEAST * step_size(position) if surface.exact_origin == ALONE else 0.0
     return position if surface.exact_origin else offset_ray_origin(position, vec(surface.ng), direction)
-
-
-@kernel
-def pass_through_face(ray, number, t, t_min):
-    """Distance from which a ray goes on that passes, at ``t``, through the triangle of this number. That becomes its
-    self primitive, so the ray may meet another face in the same place, as the floor below a box of fog. It meets one
-    more only: a second face there, where it has gone on from ``t_min``, is left behind."""
-    if t <= beyond(t_min):
-        return beyond(t)
-    ray.id = number
-    ray.least = 0.0
-    return t - max(abs(t), 1e-3) * JUST_BEFORE
 
 
 @kernel

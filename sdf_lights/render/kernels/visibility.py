@@ -11,9 +11,10 @@ from ... import emitter as lamps
 from ...jit import kernel
 from ...vec import add, largest, length, madd, mul, negate, scale, sub
 from . import lights
-from .geometry import find_shadow_surface, go_through_hit, shading_material_table
+from .geometry import find_shadow_surface, shading_material_table
 from .media import dispatch
 from .path import path_table, put_depths
+from .ray_continuation import continue_past_hit
 from .ray_origins import step_size
 from .rays import OFFSET, TRANSPARENT_PLACES, intersect, occluded, ray_table, start_anew
 from .shading import transparency
@@ -67,7 +68,7 @@ def transmittance(block, workspace, start, direction, t_max, blockers):
             result = mul(result, pass_through(block, workspace, direction))
             if largest(result) <= 0.0:
                 return BLACK
-            t_min = go_through_hit(block, workspace, t_min)
+            t_min = continue_past_hit(block, workspace, t_min)
         return BLACK
     return result
 
@@ -111,5 +112,5 @@ def visible_lamp(block, workspace, lamp, x, direction, spans, count, start, u):
         weight = mul(weight, pass_through(block, workspace, direction))
         if largest(weight) <= 0.0:
             break
-        t_from = go_through_hit(block, workspace, t_from)
+        t_from = continue_past_hit(block, workspace, t_from)
     return total

@@ -27,7 +27,8 @@ from ....jit import kernel
 from ....vec import ZERO, add, average, dot, frame, largest, length, mul, negate, put, scale, sub, to_world, vec
 from .. import lights
 from ..emission_graphs import NO_RAY, modulated
-from ..geometry import TRIANGLES, find_surface, go_through_surface, instance_table, surface_at, surface_table
+from ..geometry import TRIANGLES, find_surface, instance_table, surface_at, surface_table
+from ..ray_continuation import continue_past_surface
 from ..ray_origins import clear_self_primitive, offset_ray_origin, spawn_ray
 from ..rays import SHADOW_OPAQUE, hit_instance, intersect, occluded, ray_table, start_anew
 from ..samplers import get_2d, get_4d, pixel_seed
@@ -288,7 +289,7 @@ def _trace(block, workspace, index, total, seed, raw, first, width):
             transparent += 1
             if surface.portal or transparent > block.transparent_bounces:
                 return count
-            t_min = go_through_surface(workspace, distance, t_min)
+            t_min = continue_past_surface(workspace, distance, t_min)
         else:
             if not lit or alone and kind & SINGULAR:
                 return count

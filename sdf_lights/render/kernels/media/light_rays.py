@@ -8,8 +8,8 @@ from .... import emitter as lamps
 from ....jit import kernel
 from ....vec import add, is_zero, mul, vec
 from .. import lights
-from ..geometry import go_through_hit
 from ..path import path_table
+from ..ray_continuation import continue_past_hit
 from ..rays import TRANSPARENT_PLACES, intersect, ray_table
 from ..visibility import BLACK, pass_through, surfaces_left
 from ..workspace import spans_of
@@ -72,7 +72,7 @@ def shadow(block, workspace, x, y, z, dx, dy, dz, t_max, blockers):
         if left < 0:
             return BLACK
         result = mul(result, weight)
-        t_min = go_through_hit(block, workspace, t_min)
+        t_min = continue_past_hit(block, workspace, t_min)
     return BLACK
 
 
@@ -98,7 +98,7 @@ def lamp(block, workspace, index, x, y, z, dx, dy, dz, count, start_x, start_y, 
         weight = mul(weight, own)
         if left < 0 or is_zero(weight):
             break
-        t_from = go_through_hit(block, workspace, t_from)
+        t_from = continue_past_hit(block, workspace, t_from)
     return total
 
 

@@ -14,8 +14,9 @@ from ....jit import kernel
 from ....vec import dot, madd, negate, put, put_sum, transform_vector, vec
 from ...scene import Ray
 from .. import lights
-from ..geometry import go_through_hit, hit_material, instance_at, instance_table, surface_table
+from ..geometry import hit_material, instance_at, instance_table, surface_table
 from ..path import path_table
+from ..ray_continuation import continue_past_hit
 from ..rays import beyond, hit_instance, hit_normal, intersect, ray_table
 from .dispatch import BEGIN, CROSS, ESCAPE, LOOK, NOTE, PASS
 from .records import LIGHT_RAY, MOST_BOUNDS, MOST_MEDIA, NOTHING, WORLD, bounds_table, inside_table, medium_table
@@ -145,7 +146,7 @@ def _pass_bounds(block, workspace):
     cross_hit(block, inside, ray, vec(path.direction))
     inside.passed, inside.passed_owner = bounds.medium if inside.count != before else NOTHING, hit_instance(ray)
     inside.passed_enters = int(inside.count > before)
-    path.t_min = go_through_hit(block, workspace, path.t_min)
+    path.t_min = continue_past_hit(block, workspace, path.t_min)
     path.crossed += 1
     if path.crossed >= MOST_BOUNDS:
         put(path.throughput, BLACK)
