@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes docs/report.md and its plots from results of benchmarks in docs/report, which it can measure again."""
+"""Writes docs/report.md and its plots from summaries of benchmarks in docs/report, which it can measure again."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import hashlib
 import pathlib
 import sys
 
-from reporting import page, plots, prose, records, results
+from reporting import page, plots, prose, records, results, summaries
 
 PAGE = results.REPOSITORY / "docs" / "report.md"
 FIGURES = {"intervals": plots.crossings, "scaling": plots.scaling}
@@ -42,9 +42,9 @@ def draw(found: dict[str, results.Result], images: pathlib.Path, kept: pathlib.P
             files = [(row["scene"], kept / f"{row['scene']}.npz") for row in result.rows if "competitor" in row]
             methods = ["PROJECTION", prose.OURS]
         for scene, file in files:
+            own = result.renders(scene)
             if not file.is_file():
                 continue
-            own = result.renders(scene)
             if own and hashlib.sha256(file.read_bytes()).hexdigest() not in own:
                 print(f"{file} holds other renders than those of {name}.", file=sys.stderr)
                 continue
@@ -60,9 +60,12 @@ def main(arguments: list[str]) -> int:
         metavar="RESULT",
         help=f"measure these again first (default: all): {', '.join(results.RUNS)}",
     )
+    parser.add_argument(
+        "--keep", nargs="+", default=[], metavar="RESULT", help="show these, which bench --out wrote to build/report"
+    )
     parser.add_argument("--quick", action="store_true", help="measure as bench --quick does: only to see that it works")
     parser.add_argument(
-        "--to", type=pathlib.Path, metavar="FOLDER", help="keep results, plots and the page there, instead of in docs"
+        "--to", type=pathlib.Path, metavar="FOLDER", help="keep summaries, plots and the page there, instead of in docs"
     )
     options = parser.parse_args(arguments)
     if options.quick and not options.to:
@@ -71,16 +74,22 @@ def main(arguments: list[str]) -> int:
     if options.to:
         kept, images, text = options.to, options.to / "images", options.to / "report.md"
     failed = []
-    if options.run is not None:
-        for name in options.run or results.RUNS:
-            print(f"{name}:", file=sys.stderr)
-            if results.run(name, kept, options.quick):
-                failed.append(name)  # a limit that does not hold belongs on the page, too
+    again = [] if options.run is None else options.run or list(results.RUNS)
+    for name in again:
+        print(f"{name}:", file=sys.stderr)
+        if results.run(name, kept, options.quick):
+            failed.append(name)  # a limit that does not hold belongs on the page, too
+    measured = results.read(results.measured(kept))
+    for name in (*again, *options.keep):
+        if name in measured:
+            results.write(summaries.summarised(measured[name], draw), kept)
+        else:
+            print(f"{results.measured(kept)} has no result {name}.", file=sys.stderr)
     found = results.read(kept)
     if not found:
         print(f"There are no results in {kept}: ./scripts/report --run measures them.", file=sys.stderr)
         return 1
-    draw(found, images, results.pictures_of(kept))
+    draw(found, images, results.measured(kept))
     text.write_text(page.text(found, images, text), encoding="utf-8")
     _, others = records.compared(found, images)
     if others:

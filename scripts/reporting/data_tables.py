@@ -68,7 +68,5 @@ def _corridor(result: Result) -> str:
     return _with_command(result, table(heads, rows))
 
 
-TABLES = {
-    name: functools.partial(_measured, name, table_of)
-    for name, table_of in (("kinds", _kinds), ("grids", _grids), ("corridor", _corridor))
-}
+TABLES_OF_RESULTS = {"kinds": _kinds, "grids": _grids, "corridor": _corridor}
+TABLES = {name: functools.partial(_measured, name, table_of) for name, table_of in TABLES_OF_RESULTS.items()}

@@ -391,3 +391,29 @@ def test_every_run_is_a_call_that_bench_understands():
 
     for name, arguments in results.RUNS.items():
         assert bench.parse(arguments).name == arguments[0], name
+
+
+def test_a_summary_shows_the_same_with_less():
+    pytest.importorskip("matplotlib")
+    import report
+    from reporting import summaries
+
+    result = raced()
+    result.rows[0]["renders"] = "of a file"
+    for row in result.rows:
+        row["unread"] = 1.0
+    summary = summaries.summarised(result, report.draw)
+    shown = [page.text({result.name: one}, DOCS, DOCS / "report.md") for one in (result, summary)]
+    assert shown[0] == shown[1]
+    assert summary.digest == result.digest and summary.renders("S1") == {"of a file"}
+    assert len(summary.rows) == len(result.rows) and not any("unread" in row for row in summary.rows)
+
+
+def test_a_summary_is_read_as_it_was_written(tmp_path):
+    summary = dataclasses.replace(raced(), measured="a hash")
+    results.write(summary, tmp_path)
+    assert results.read(tmp_path) == {summary.name: summary}
+
+
+def test_the_repository_keeps_summaries_alone():
+    assert all(result.measured for result in results.read().values()), "./scripts/report --keep writes them"
