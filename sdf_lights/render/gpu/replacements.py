@@ -193,7 +193,10 @@ ONE_LIGHT_RAY = {
     next_event.restore_lamp_cut: lamp_kernels.keep_only_lamp
 }  # of one emitter, without transparent shadows
 NO_LAMPS = {next_event.sample_lamp_light: lamp_kernels.no_light, gather.last_lamp_exit: lamp_kernels.no_lamp_exit}
-WITHOUT_VARYING_WORLD = {cells.plan_world: varying_media.no_plan, cells.planned: varying_media.never_planned}
+WITHOUT_VARYING_WORLD = {
+    cells.divide_world_ray: varying_media.no_sections,
+    cells.world_section_at: varying_media.no_section_at,
+}
 ALL_MEDIA_VARY = {varying.none_varies: varying_media.one_varies}
 
 CATCHERS = {emitters.may_light: catchers.may_light, linking.is_in_light_tree: catchers.is_in_light_tree}

@@ -17,7 +17,7 @@ from ..kernels.workspace import WORKSPACE, WORKSPACE_TABLES
 from ..scene import Scene
 
 # Without sections of rays in the world, the numbers of a ray are few: (module that uses it, name) -> their count.
-FEW_NUMBERS = {(module, "LOCAL_RAYS"): cells.PLAN for module in (tracking, varying)}
+FEW_NUMBERS = {(module, "LOCAL_RAYS"): cells.WORLD_SECTIONS for module in (tracking, varying)}
 
 
 def grids_of(
@@ -46,14 +46,14 @@ def _record(dtype: np.dtype, tables: dict[str, np.ndarray]) -> np.ndarray:
 
 
 @kernel
-def no_plan(block, workspace, medium, start, d, length, step, rays):
-    """Replaces ``cells.plan_world`` if the world's medium does not vary."""
+def no_sections(block, workspace, medium, start, d, length, step, rays):
+    """Replaces ``cells.divide_world_ray`` if the world's medium does not vary."""
     return
 
 
 @kernel
-def never_planned(rays, t):
-    """Replaces ``cells.planned``, likewise."""
+def no_section_at(rays, t):
+    """Replaces ``cells.world_section_at``, likewise."""
     return -1
 
 

@@ -27,12 +27,12 @@ SECTION = 11  # numbers
 # What ``enter_cells`` writes of each medium: the ray in the space of its grid, and the row of this. Then follow the
 # number of sections of the world's medium, and these.
 GRID_ROW, LOCAL_RAY = 6, 7
-PLAN = 8 * LOCAL_RAY + 1  # of ``records.MOST_MEDIA`` media
+WORLD_SECTIONS = 8 * LOCAL_RAY + 1  # of ``records.MOST_MEDIA`` media
 MOST_SECTIONS = 64
-LOCAL_RAYS = PLAN + MOST_SECTIONS * SECTION
+LOCAL_RAYS = WORLD_SECTIONS + MOST_SECTIONS * SECTION
 
-# Of ``plan_world``. A section is ``GROWTH`` times as long as its distance, and shorter where the optical depth of its
-# change is above ``CHANGE``. Nothing matters beyond ``FARTHEST`` steps, or behind an optical depth ``DEEPEST``.
+# Of ``divide_world_ray``. A section is ``GROWTH`` times as long as its distance, and shorter where the optical depth of
+# its change is above ``CHANGE``. Nothing matters beyond ``FARTHEST`` steps, or behind an optical depth ``DEEPEST``.
 GROWTH, CHANGE, HALVINGS, PROBES, FARTHEST, DEEPEST = 0.35, 0.5, 8, 4, 1e6, 20.0
 UNEVEN = 0.15
 # Of bounds, also those of ``grids``: ``MARGIN`` is the part of the difference between the greatest and the least value
@@ -48,7 +48,7 @@ _OPAQUE = 1e-6  # transmittance below which what follows along a ray does not ma
 @kernel
 def enter_cells(block, workspace, inside, start, d, length, rays):
     """Write the ray in the space of the grids of all media around it to ``rays`` (``LOCAL_RAYS`` numbers), up to a
-    distance. The ray is that of ``point.describe``."""
+    distance. The ray is that of ``point.set_ray``."""
     for entry in range(inside.count):
         at, owner = LOCAL_RAY * entry, inside.owner[entry]
         rays[at + GRID_ROW] = -1.0
@@ -56,7 +56,7 @@ def enter_cells(block, workspace, inside, start, d, length, rays):
             continue
         if owner == WORLD:
             rays[at + GRID_ROW] = 0.0
-            plan_world(block, workspace, inside.medium[entry], start, d, length, block.media_step, rays)
+            divide_world_ray(block, workspace, inside.medium[entry], start, d, length, block.media_step, rays)
             continue
         instance = instance_at(block, owner)
         p, way = transform_point(instance.inverse, start), transform_vector(instance.inverse, d)
@@ -116,13 +116,13 @@ def _probe(block, workspace, medium, x, found, at, count):
 
 @replaced_on_gpu
 @kernel
-def plan_world(block, workspace, medium, start, d, length, step, rays):
+def divide_world_ray(block, workspace, medium, start, d, length, step, rays):
     """Cut a ray through the world's medium into sections, by the values at some points of each, and write these behind
     the rays of ``enter_cells``. No grid could hold bounds of a medium without end, as of fog that is denser and denser
     towards the ground, and below. ``step``: the least length of a section, unless the medium changes in it."""
     count, t, depth, limit = 0, 0.0, 0.0, min(length, FARTHEST * step)
     while count < MOST_SECTIONS and t < limit and depth < DEEPEST:
-        at = PLAN + SECTION * count
+        at = WORLD_SECTIONS + SECTION * count
         size = min(max(step, t * GROWTH), limit - t)
         for halving in range(HALVINGS + 1):
             last = halving == HALVINGS or count == MOST_SECTIONS - 1
@@ -141,16 +141,16 @@ def plan_world(block, workspace, medium, start, d, length, step, rays):
         rays[at + END] = t
         depth += size * min(rays[at + MEAN], rays[at + MEAN + 1], rays[at + MEAN + 2])
         count += 1
-    rays[PLAN - 1] = count
+    rays[WORLD_SECTIONS - 1] = count
     # Points of neighbours help to bound what varies faster than there are points.
     glow = 0.0
     for index in range(count):
-        glow = max(glow, rays[PLAN + SECTION * index + GLOW])
+        glow = max(glow, rays[WORLD_SECTIONS + SECTION * index + GLOW])
     for index in range(count):
-        at, around, scattering = PLAN + SECTION * index, 0.0, 0.0
+        at, around, scattering = WORLD_SECTIONS + SECTION * index, 0.0, 0.0
         for other in range(max(index - NEIGHBOURS, 0), min(index + NEIGHBOURS + 1, count)):
-            around = max(around, rays[PLAN + SECTION * other + MAJORANT])
-            scattering = max(scattering, rays[PLAN + SECTION * other + SCATTERING])
+            around = max(around, rays[WORLD_SECTIONS + SECTION * other + MAJORANT])
+            scattering = max(scattering, rays[WORLD_SECTIONS + SECTION * other + SCATTERING])
         spread = 0.0
         for axis in range(3):
             margin = MARGIN * (rays[at + MAJORANT] - rays[at + LEAST + axis])
@@ -161,18 +161,18 @@ def plan_world(block, workspace, medium, start, d, length, step, rays):
         rays[at + SCATTERING] = max(rays[at + SCATTERING], LEAST_SHARE * scattering)
         rays[at + GLOW] = glow
     for index in range(count):
-        at = PLAN + SECTION * index
+        at = WORLD_SECTIONS + SECTION * index
         rays[at + MAJORANT] = min(rays[at + LEAST], rays[at + LEAST + 1], rays[at + LEAST + 2]) + rays[at + SPREAD]
 
 
 @replaced_on_gpu
 @kernel
-def planned(rays, t):
+def world_section_at(rays, t):
     """Where the section of the world's medium at the distance t begins among the numbers of ``rays``; less than 0
     beyond the last one."""
-    for index in range(np.int64(rays[PLAN - 1])):
-        if rays[PLAN + SECTION * index + END] > t:
-            return PLAN + SECTION * index
+    for index in range(np.int64(rays[WORLD_SECTIONS - 1])):
+        if rays[WORLD_SECTIONS + SECTION * index + END] > t:
+            return WORLD_SECTIONS + SECTION * index
     return -1
 
 
@@ -190,7 +190,7 @@ def section(block, inside, rays, t, found):
         if rays[at + GRID_ROW] < 0.0:
             continue
         if inside.owner[entry] == WORLD:
-            here = planned(rays, t)
+            here = world_section_at(rays, t)
             if here >= 0:
                 found[END] = min(found[END], rays[here + END])
                 for number in range(MAJORANT, SECTION):
@@ -209,7 +209,7 @@ def section(block, inside, rays, t, found):
 
 
 @kernel
-def survey(block, inside, rays, found, length, target, until):
+def integrate_cells(block, inside, rays, found, length, target, until):
     """The estimate S(t) = ∫ s exp(−∫ e) dt along a ray, where s and e are the means of the cells: the light that is
     scattered before t.
 

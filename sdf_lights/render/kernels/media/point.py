@@ -43,7 +43,7 @@ def draw(workspace):
 
 
 @kernel
-def describe(workspace, d, kind):
+def set_ray(workspace, d, kind):
     """Fill the surface of the second workspace with what formulas read at all points of a ray along d."""
     surface = surface_table(secondary_table(workspace)[0])[0]
     back = negate(d)
@@ -80,7 +80,7 @@ def _color(registers, place):
 @kernel
 def evaluate(block, workspace, medium, owner, x):
     """Scattering, extinction and emission (RGB) of a medium that varies, in the instance ``owner``, at x. Adds the
-    scattering of its parts to the workspace's weights. The ray is that of ``describe``."""
+    scattering of its parts to the workspace's weights. The ray is that of ``set_ray``."""
     secondary, row = secondary_table(workspace)[0], medium_table(block)[medium]
     surface = surface_table(secondary)[0]
     put(surface.position, x)
@@ -129,7 +129,7 @@ def weight_here(block, workspace, index):
 @kernel
 def measure(block, workspace, medium, owner, points, values):
     """Coefficients at points (n, 3) in the world: ``values`` (n, 9), scattering, extinction, emission."""
-    describe(workspace, (0.0, 0.0, -1.0), 0)
+    set_ray(workspace, (0.0, 0.0, -1.0), 0)
     for index in range(len(points)):
         found = evaluate(block, workspace, medium, owner, (points[index, 0], points[index, 1], points[index, 2]))
         for axis in range(3):

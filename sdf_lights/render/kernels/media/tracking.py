@@ -18,7 +18,7 @@ from ....jit import kernel, stack_array
 from ....vec import absolute, add, largest, madd, mul, scale, sub
 from .beams import attenuation
 from .cells import END, GLOW, LEAST, LOCAL_RAYS, MAJORANT, SECTION, SPREAD, enter_cells, section
-from .point import coefficients, describe, draw
+from .point import coefficients, draw, set_ray
 
 BLACK, WHITE = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
 MOST_COLLISIONS = 1 << 14  # along a ray, which ends there: it would take too long
@@ -59,7 +59,7 @@ def _part(block, workspace, inside, start, d, t, end, found, weight):
 def transmittance(block, workspace, inside, start, d, t_from, t_to, kind):
     """Transmittance (RGB) of the media ``inside`` between two distances of a ray of this kind."""
     rays, found = stack_array(LOCAL_RAYS), stack_array(SECTION)
-    describe(workspace, d, kind)
+    set_ray(workspace, d, kind)
     start = madd(start, t_from, d)
     enter_cells(block, workspace, inside, start, d, t_to - t_from, rays)
     return faded(block, workspace, inside, start, d, t_to - t_from, rays, found)

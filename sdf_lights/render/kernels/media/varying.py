@@ -29,7 +29,7 @@ from ..samplers import get_2d, get_4d
 from ..workspace import spans_of
 from . import light_rays, travel
 from .beams import facing_density, facing_distance, view_angle
-from .cells import LOCAL_RAYS, SECTION, enter_cells, survey
+from .cells import LOCAL_RAYS, SECTION, enter_cells, integrate_cells
 from .in_scattering import (
     BLACK,
     FEW_PAIRS,
@@ -51,8 +51,8 @@ from .point import (
     TRAVEL_SEED,
     begin,
     coefficients,
-    describe,
     draw,
+    set_ray,
     weight_here,
 )
 from .records import LIGHT_RAY, inside_table
@@ -82,23 +82,24 @@ def none_varies(inside):
 @kernel
 def _draw_place(block, inside, rays, found, ray_length, total, near, height, u):
     """A place on a ray of which a light is seen, and its density: ``height`` < 0: the light is not at one point.
-    ``total`` is S of ``cells.survey`` for the whole ray."""
+    ``total`` is S of ``cells.integrate_cells`` for the whole ray."""
     if height < 0.0:
-        _, _, place, slope, _ = survey(block, inside, rays, found, ray_length, u * total, -1.0)
+        _, _, place, slope, _ = integrate_cells(block, inside, rays, found, ray_length, u * total, -1.0)
         return place, slope / total
     height = max(height, _CLOSEST * (1.0 + abs(near)))
     angle = view_angle(near, height, ray_length)
     if u < 0.5:
         place = min(facing_distance(near, height, angle, 2.0 * u), ray_length)
-        _, _, _, slope, _ = survey(block, inside, rays, found, ray_length, -1.0, place)
+        _, _, _, slope, _ = integrate_cells(block, inside, rays, found, ray_length, -1.0, place)
     else:
-        _, _, place, slope, _ = survey(block, inside, rays, found, ray_length, (2.0 * u - 1.0) * total, -1.0)
+        _, _, place, slope, _ = integrate_cells(block, inside, rays, found, ray_length, (2.0 * u - 1.0) * total, -1.0)
     return place, 0.5 * (facing_density(near, height, angle, place) + slope / total)
 
 
 @kernel
 def _light_ray(block, workspace, rays, found, ray_length, depth, total):
-    """As ``in_scattering.light_ray``. ``depth`` and ``total`` are the optical depth and S of ``cells.survey``."""
+    """As ``in_scattering.light_ray``. ``depth`` and ``total`` are the optical depth and S of
+    ``cells.integrate_cells``."""
     path, inside = path_table(workspace)[0], inside_table(workspace)[0]
     d = vec(path.direction)
     start = madd(vec(path.start), path.t_min, d)
@@ -107,7 +108,7 @@ def _light_ray(block, workspace, rays, found, ray_length, depth, total):
     number = receiver(block, inside)
     extinction = depth / ray_length
     if ray_length == math.inf:
-        _, _, half, _, _ = survey(block, inside, rays, found, ray_length, 0.5 * total, -1.0)
+        _, _, half, _, _ = integrate_cells(block, inside, rays, found, ray_length, 0.5 * total, -1.0)
         extinction = math.log(2.0) / half if half > 0.0 else _LEAST_EXTINCTION
     extinction = max(extinction, _LEAST_EXTINCTION)
     emitter, pmf, _, finite, center = lights.select_along(block, number, start, d, ray_length, extinction, u[0])
@@ -163,7 +164,7 @@ def _light_ray(block, workspace, rays, found, ray_length, depth, total):
 def _scattering_seen(block, workspace, inside, start, d, place, rays, found):
     """The part of the light (RGB, 1/m) that a medium scatters at a place of the path's ray and that reaches its start;
     and the weights of the phase functions there, in the workspace."""
-    describe(workspace, d, path_table(workspace)[0].kind)
+    set_ray(workspace, d, path_table(workspace)[0].kind)
     part = faded(block, workspace, inside, start, d, place, rays, found)
     scattering, _, _ = coefficients(block, workspace, inside, madd(start, place, d))
     return mul(scattering, part)
@@ -257,9 +258,9 @@ def enter_varying(block, workspace, ray_length):
     rays, found = stack_array(LOCAL_RAYS), stack_array(SECTION)
     d = vec(path.direction)
     start = madd(vec(path.start), path.t_min, d)
-    describe(workspace, d, path.kind)
+    set_ray(workspace, d, path.kind)
     enter_cells(block, workspace, inside, start, d, ray_length, rays)
-    depth, total, _, _, glows = survey(block, inside, rays, found, ray_length, -1.0, -1.0)
+    depth, total, _, _, glows = integrate_cells(block, inside, rays, found, ray_length, -1.0, -1.0)
     if glows:
         begin(workspace, GLOW_SEED)
         travel.add_glow(block, workspace, glow(block, workspace, inside, start, d, ray_length, rays, found))
@@ -271,7 +272,7 @@ def enter_varying(block, workspace, ray_length):
         _light_ray(block, workspace, rays, found, ray_length, depth, total)
         kept[0] = kept[KEPT_RAY]
     begin(workspace, TRAVEL_SEED)
-    describe(workspace, d, path.kind)  # light rays have described theirs
+    set_ray(workspace, d, path.kind)  # light rays have set theirs
     throughput = vec(path.throughput)
     if not scatters or path.last or not travel.can_find_light(block, path):
         put(path.throughput, mul(throughput, faded(block, workspace, inside, start, d, ray_length, rays, found)))
@@ -292,7 +293,7 @@ def scatter_varying(block, workspace, unused):
         return travel.scatter(block, workspace, unused)
     # Other branches may have been elsewhere since the collision.
     d = vec(path.direction)
-    describe(workspace, d, path.kind)
+    set_ray(workspace, d, path.kind)
     coefficients(block, workspace, inside, madd(vec(path.start), path.length, d))
     return _scatter_here(block, workspace, unused)
 
