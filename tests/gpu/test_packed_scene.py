@@ -65,7 +65,7 @@ def test_media_that_vary():
     unused.materials += VARYING_SCENES["varying_smoke"](8, 6).materials
     assert kernels(unused) == set()
     assert "in_scattering_light_ray" not in smoke | fog  # where all media vary
-    assert "cells_plan_world" in fog and "cells_plan_world" not in smoke
+    assert "cells_divide_world_ray" in fog and "cells_plan_world" not in smoke
 
 
 def test_graphs_of_media_run_beside_those_of_surfaces():
