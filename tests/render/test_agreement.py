@@ -42,7 +42,7 @@ QUICK = (
 # Of a rolling shutter the reference builds the scene anew for each line of each sample. It integrates the volume of
 # each shape that a lamp has while the shutter is open, and follows rays through networks in small steps.
 COSTLY = ("rolling", "changing_lamps", "network_lamp")
-CLOSELY = ("torus_room", "blender_lights", "principled_without_caustics", "varying_lamps")
+CLOSELY = ("torus_room", "blender_lights", "principled_without_caustics")
 
 
 def pictures(renderer, make, samples: int, passes: tuple[str, ...] = PASSES) -> dict[str, np.ndarray]:

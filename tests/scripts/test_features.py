@@ -65,7 +65,7 @@ def test_unknown_names_are_told():
 
 # Cycles prepares for seconds before each of their many pictures; test_varying_volumes and test_volume_objects have
 # them.
-APART = ("ground fog", "fire", "cloud of voxels")
+APART = ("ground fog", "fire", "cloud of voxels", "smoke of noise")
 
 
 @pytest.mark.slow
