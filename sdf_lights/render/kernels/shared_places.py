@@ -86,23 +86,27 @@ def _regions(corners: np.ndarray, owners: np.ndarray) -> tuple[np.ndarray, np.nd
     rows = rows[:, None]
     flat = corners[rows[:, :, None], np.arange(3)[None, :, None], _ACROSS[axis][:, None]]
     level, first, last = low[rows[:, 0], axis], flat[:, :, 0].min(1), flat[:, :, 0].max(1)
-    a, found = rows[:, 0], [(np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros((0, 2, 3)))]
+    a, near = rows[:, 0], [(rows[:0, 0], rows[:0, 0])]
+    wide = np.zeros(len(axis), bool)
     distance = pairs = 0
     while len(a):
         distance += 1
         a = a[a + distance < len(axis)]
         b = a + distance
-        near = (axis[a] == axis[b]) & (level[a] == level[b]) & (first[b] < last[a])
-        a, b = a[near], b[near]
+        together = (axis[a] == axis[b]) & (level[a] == level[b]) & (first[b] < last[a])
+        a, b = a[together], b[together]
         pairs += len(a) + _TURN
         if pairs > _MOST_PAIRS:  # all of these planes counts
-            planes = np.isin(level, level[a])
-            found.append((owners[planes], owners[planes], np.stack([low[planes], high[planes]], 1)))
+            wide = np.isin(level, level[a])
             break
-        both = np.stack([np.maximum(low[a], low[b]), np.minimum(high[a], high[b])], 1)
-        hits = np.flatnonzero((both[:, 0] <= both[:, 1]).all(1))
-        hits = hits[_overlap(flat[a[hits]], flat[b[hits]])]
-        found += [(owners[a[hits]], owners[b[hits]], both[hits]), (owners[b[hits]], owners[a[hits]], both[hits])]
+        near.append((a, b))
+    a, b = (np.concatenate(parts) for parts in zip(*near))
+    both = np.stack([np.maximum(low[a], low[b]), np.minimum(high[a], high[b])], 1)
+    hits = np.flatnonzero((both[:, 0] <= both[:, 1]).all(1))
+    hits = hits[_overlap(flat[a[hits]], flat[b[hits]])]
+    one, other, both = owners[a[hits]], owners[b[hits]], both[hits]
+    found = [(one, other, both), (other, one, both)]
+    found.append((owners[wide], owners[wide], np.stack([low[wide], high[wide]], 1)))
     here, there, places = (np.concatenate(parts) for parts in zip(*found))
     return here, there, places
 
