@@ -17,6 +17,7 @@ from ...replaced import replaced_on_gpu
 from .lights.tree_build import Bounds, build_tree
 
 WIDTH = 8
+LANES = 4  # boxes that one vector instruction tests
 HALVINGS = 3  # binary levels of a cluster, with WIDTH children
 NOTHING = -1  # in ``slots``: no child
 
@@ -30,6 +31,7 @@ NODE = np.dtype(
             WIDTH,
         ),  # bits of scene.Ray: kinds of rays that see any lamp below; 0: no child
         ("child", np.int32, WIDTH),  # the node below, or ~lamp
+        ("count", np.int64),  # children, the first ones
     ],
     align=True,
 )
@@ -76,11 +78,13 @@ def pack_lamp_tree(low: np.ndarray, high: np.ndarray, visibility: np.ndarray) ->
     levels, first, frontier = [], 0, np.zeros(1, np.int64)
     while len(frontier):
         slots = _descendants(child, frontier)
+        slots = np.take_along_axis(slots, np.argsort(slots == NOTHING, axis=1, kind="stable"), axis=1)
         used = slots != NOTHING
         rows = np.zeros(len(frontier), NODE)
         rows["low"] = np.where(used[:, None, :], outer_low[slots].transpose(0, 2, 1), 0.0)
         rows["high"] = np.where(used[:, None, :], outer_high[slots].transpose(0, 2, 1), 0.0)
         rows["visibility"] = np.where(used, seen[slots], 0)
+        rows["count"] = used.sum(axis=1)
         inner = used & (child[slots] >= 0)
         first += len(frontier)
         rows["child"] = child[slots]
@@ -128,13 +132,15 @@ def lamps_along(block, workspace, o, d, t_max, kind):
         waiting += 1
         low_x, low_y, low_z = node.low[0], node.low[1], node.low[2]
         high_x, high_y, high_z = node.high[0], node.high[1], node.high[2]
-        for k in range(np.uint64(WIDTH)):
-            ax, bx = (low_x[k] - ox) * sx, (high_x[k] - ox) * sx
-            ay, by = (low_y[k] - oy) * sy, (high_y[k] - oy) * sy
-            az, bz = (low_z[k] - oz) * sz, (high_z[k] - oz) * sz
-            enter[k] = max(max(min(ax, bx), min(ay, by)), max(min(az, bz), 0.0))
-            leave[k] = min(min(max(ax, bx), max(ay, by)), max(az, bz))
-        for k in range(WIDTH):
+        for lanes in range(np.uint64(0), np.uint64(node.count), np.uint64(LANES)):
+            for lane in range(np.uint64(LANES)):
+                k = lanes + lane
+                ax, bx = (low_x[k] - ox) * sx, (high_x[k] - ox) * sx
+                ay, by = (low_y[k] - oy) * sy, (high_y[k] - oy) * sy
+                az, bz = (low_z[k] - oz) * sz, (high_z[k] - oz) * sz
+                enter[k] = max(max(min(ax, bx), min(ay, by)), max(min(az, bz), 0.0))
+                leave[k] = min(min(max(ax, bx), max(ay, by)), max(az, bz))
+        for k in range(node.count):
             if enter[k] <= leave[k] * ROUNDING and enter[k] < t_max and node.visibility[k] & kind:
                 child = node.child[k]
                 if child < 0:
