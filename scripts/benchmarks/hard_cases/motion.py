@@ -20,7 +20,7 @@ from support.scenes import SCENES, torus_lamp
 from . import Figure, case
 from .stage import STANDARD_ERRORS, picture, settings
 
-FRAMES, QUICK_FRAMES = 12, 6
+FRAMES, QUICK_FRAMES = 12, 5
 STEP = 0.04  # m a frame
 SAMPLES = 4
 WIDTH, HEIGHT = 48, 36

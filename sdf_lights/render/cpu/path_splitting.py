@@ -186,8 +186,7 @@ def intersect_branches(block, workspace, branches):
 def roulette_branches(workspace, branches):
     """Russian roulette: branches that are expected to bring less than their mean survive in proportion to that.
 
-    One number decides on all of them, so how many do is nearly always the same (systematic sampling). What it costs to
-    find out where a branch leads is a fraction of what it costs to light a surface there.
+    One number decides on all of them, so how many do is nearly always the same (systematic sampling).
     """
     paths = path_table(workspace)
     waiting = paths[WAITING]
