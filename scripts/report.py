@@ -85,6 +85,7 @@ def main(arguments: list[str]) -> int:
             results.write(summaries.summarised(measured[name], draw), kept)
         else:
             print(f"{results.measured(kept)} has no result {name}.", file=sys.stderr)
+            failed += [name] if name not in failed else []
     found = results.read(kept)
     if not found:
         print(f"There are no results in {kept}: ./scripts/report --run measures them.", file=sys.stderr)
