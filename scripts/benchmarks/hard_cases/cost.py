@@ -37,7 +37,7 @@ from .stage import settings
 NOISE, FRAME = 60.0 / 12.0, 20.0 / 10.0  # of the paper
 SIZE, QUICK_SIZE = 64, 24
 TURNS, QUICK_TURNS = 5, 4
-TURN, QUICK_TURN = 3.0, 0.5  # target time in seconds of the additional samples of a turn
+TURN, QUICK_TURN = 3.0, 0.3  # target time in seconds of the additional samples of a turn
 FEWEST, MOST = 4, 4096  # additional samples of a turn
 RAYS = 1000
 COARSE = 1e-3  # shortest step of the paper's rule, relative to the size
