@@ -79,18 +79,18 @@ def main(arguments: list[str]) -> int:
         print(f"{name}:", file=sys.stderr)
         if results.run(name, kept, options.quick):
             failed.append(name)  # a limit that does not hold belongs on the page, too
-    measured = results.read(results.measured(kept))
+    raw = results.read(results.raw_folder(kept))
     for name in (*again, *options.keep):
-        if name in measured:
-            results.write(summaries.summarised(measured[name], draw), kept)
+        if name in raw:
+            results.write(summaries.summarised(raw[name], draw), kept)
         else:
-            print(f"{results.measured(kept)} has no result {name}.", file=sys.stderr)
+            print(f"{results.raw_folder(kept)} has no result {name}.", file=sys.stderr)
             failed += [name] if name not in failed else []
     found = results.read(kept)
     if not found:
         print(f"There are no results in {kept}: ./scripts/report --run measures them.", file=sys.stderr)
         return 1
-    draw(found, images, results.measured(kept))
+    draw(found, images, results.raw_folder(kept))
     text.write_text(page.text(found, images, text), encoding="utf-8")
     _, others = records.compared(found, images)
     if others:

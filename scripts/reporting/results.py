@@ -15,7 +15,7 @@ from dataclasses import dataclass
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 RESULTS = REPOSITORY / "docs" / "report"
 # All rows, and renders. Too large to be kept: the report keeps summaries, and the images that were drawn from them.
-MEASURED = REPOSITORY / "build" / "report"
+RAW = REPOSITORY / "build" / "report"
 
 # Enough for references whose standard error is a tenth of the least error that they judge; they stop then.
 _LAMPS = ["--size", "96", "--reference-seconds", "1200"]
@@ -62,14 +62,14 @@ METRICS = {"rel_mse": "relMSE", "mape": "MAPE", "flip": "FLIP"}
 
 @dataclass(frozen=True)
 class Result:
-    """One object of ``bench --json``, or a summary of it. ``measured``: the digest of the whole, if it is a summary."""
+    """One object of ``bench --json``, or a summary of it. ``full_digest``: of all that was measured, in a summary."""
 
     name: str
     command: str
     summary: dict[str, float]
     rows: list[dict]
     machine: dict
-    measured: str | None = None
+    full_digest: str | None = None
 
     def of(self, **wanted) -> list[dict]:
         """Rows with these values."""
@@ -78,8 +78,8 @@ class Result:
     @functools.cached_property
     def digest(self) -> str:
         """Hash of all measured values."""
-        if self.measured is not None:
-            return self.measured
+        if self.full_digest is not None:
+            return self.full_digest
         content = json.dumps([self.command, self.summary, self.rows, self.machine], sort_keys=True)
         return hashlib.sha256(content.encode()).hexdigest()[:16]
 
@@ -100,7 +100,7 @@ def read(folder: pathlib.Path = RESULTS) -> dict[str, Result]:
         data = json.loads(path.read_text(encoding="utf-8"))
         if {"command", "summary", "rows", "machine"} <= set(data):
             found[path.stem] = Result(
-                path.stem, data["command"], data["summary"], data["rows"], data["machine"], data.get("measured")
+                path.stem, data["command"], data["summary"], data["rows"], data["machine"], data.get("full_digest")
             )
     return found
 
@@ -109,14 +109,14 @@ def write(summary: Result, folder: pathlib.Path = RESULTS) -> None:
     """Keep a summary, a line for each row."""
     folder.mkdir(parents=True, exist_ok=True)
     rows = ",\n".join(json.dumps(row, ensure_ascii=False) for row in summary.rows)
-    data = {key: getattr(summary, key) for key in ("command", "measured", "machine", "summary")}
+    data = {key: getattr(summary, key) for key in ("command", "full_digest", "machine", "summary")}
     text = json.dumps(data, indent=1, ensure_ascii=False).removesuffix("\n}")
     (folder / f"{summary.name}.json").write_text(f'{text},\n "rows": [\n{rows}\n]\n}}\n', encoding="utf-8")
 
 
-def measured(folder: pathlib.Path) -> pathlib.Path:
+def raw_folder(folder: pathlib.Path) -> pathlib.Path:
     """Folder of all rows, and of the renders, that the summaries in a folder are of."""
-    return MEASURED if folder == RESULTS else folder / "measured"
+    return RAW if folder == RESULTS else folder / "raw"
 
 
 def _named(path: pathlib.Path) -> str:
@@ -126,12 +126,12 @@ def _named(path: pathlib.Path) -> str:
 
 
 def run(name: str, folder: pathlib.Path = RESULTS, quick: bool = False) -> int:
-    """Measure one of ``RUNS``, into the folder ``measured`` of one of summaries; the exit code, which is 0 unless it
+    """Measure one of ``RUNS``, into the ``raw_folder`` of a folder of summaries; the exit code, which is 0 unless it
     failed or a limit does not hold.
 
     An interrupted run continues. ``quick``: only shows that it works.
     """
-    folder = measured(folder)
+    folder = raw_folder(folder)
     folder.mkdir(parents=True, exist_ok=True)
     arguments = [*RUNS[name], *(["--quick"] if quick else []), "--out", _named(folder / f"{name}.json")]
     if RUNS[name][0] in ("cycles", "paper"):

@@ -16,7 +16,7 @@ DIGITS = 8  # of each number
 
 
 class _Row(dict):
-    """A row that notes in ``shown`` what is read of it."""
+    """A row that notes in ``shown`` what is read of it, or asked for by ``in``."""
 
     def __init__(self, values: dict):
         super().__init__(values)
@@ -51,4 +51,4 @@ def summarised(result: Result, draw: Callable[[dict[str, Result], pathlib.Path, 
         data_tables.TABLES_OF_RESULTS[result.name](noting)
     rows = [{key: _rounded(value) for key, value in row.shown.items()} for row in noting.rows if row.shown]
     summary = {key: _rounded(value) for key, value in result.summary.items()}
-    return dataclasses.replace(result, summary=summary, rows=rows, measured=result.digest)
+    return dataclasses.replace(result, summary=summary, rows=rows, full_digest=result.digest)

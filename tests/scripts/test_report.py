@@ -410,10 +410,10 @@ def test_a_summary_shows_the_same_with_less():
 
 
 def test_a_summary_is_read_as_it_was_written(tmp_path):
-    summary = dataclasses.replace(raced(), measured="a hash")
+    summary = dataclasses.replace(raced(), full_digest="a hash")
     results.write(summary, tmp_path)
     assert results.read(tmp_path) == {summary.name: summary}
 
 
 def test_the_repository_keeps_summaries_alone():
-    assert all(result.measured for result in results.read().values()), "./scripts/report --keep writes them"
+    assert all(result.full_digest for result in results.read().values()), "./scripts/report --keep writes them"

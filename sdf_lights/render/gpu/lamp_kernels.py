@@ -190,8 +190,7 @@ def fit_light_cut(nodes, root, x, n, cut):
 
 @kernel
 def lamps_along(block, workspace, o, d, t_max, kind):
-    """Replaces ``lamp_tree.lamps_along``: a few lamps are tested in turn, and so are the boxes of a node. Compilers
-    would unroll a loop over a constant eight boxes, which takes them seconds."""
+    """Replaces ``lamp_tree.lamps_along``: a few lamps are tested in turn, and so are the boxes of a node."""
     found = found_table(workspace)
     count = 0
     if block.few_lamps:
@@ -206,7 +205,7 @@ def lamps_along(block, workspace, o, d, t_max, kind):
     while waiting < len(found):
         node = nodes[found[waiting]]
         waiting += 1
-        for k in range(block.tree_width):
+        for k in range(node.count):
             if node.visibility[k] & kind and _meets(node, k, o, d, t_max):
                 child = node.child[k]
                 if child < 0:

@@ -207,7 +207,6 @@ class GpuScene:
             **camera.camera_scalars(scene),
             **integrator_scalars(scene, flags, tables),
             "hierarchy_root": self.hierarchy.root,
-            "tree_width": lamp_tree.WIDTH,
             "few_lamps": int(len(built) <= lamp_kernels.FEW),
             "lanes": LANES,
             "shows_environment": int(film.sums["environment"].size > 0),

@@ -25,11 +25,7 @@ NODE = np.dtype(
     [
         ("low", np.float32, (3, WIDTH)),  # corners of each child's box; the first axis is the coordinate
         ("high", np.float32, (3, WIDTH)),
-        (
-            "visibility",
-            np.int32,
-            WIDTH,
-        ),  # bits of scene.Ray: kinds of rays that see any lamp below; 0: no child
+        ("visibility", np.int32, WIDTH),  # bits of scene.Ray: kinds of rays that see any lamp below
         ("child", np.int32, WIDTH),  # the node below, or ~lamp
         ("count", np.int64),  # children, the first ones
     ],
@@ -132,6 +128,7 @@ def lamps_along(block, workspace, o, d, t_max, kind):
         waiting += 1
         low_x, low_y, low_z = node.low[0], node.low[1], node.low[2]
         high_x, high_y, high_z = node.high[0], node.high[1], node.high[2]
+        # Unsigned: indices that may be negative would keep LLVM from vector instructions.
         for lanes in range(np.uint64(0), np.uint64(node.count), np.uint64(LANES)):
             for lane in range(np.uint64(LANES)):
                 k = lanes + lane
