@@ -35,7 +35,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -80,8 +80,11 @@ NEXT, NEAR, FAR = (tuple(float(math.comb(2 * reach, place)) for place in range(2
 def first_pixels(film: Film, settings: Settings) -> np.ndarray | None:
     """(pixels,) 1 for pixels that take their first sample before the others, for ``divide``; None if nothing depends on
     it."""
-    if settings.indirect_paths or settings.max_bounces == 0:
-        return None
+    return None if settings.indirect_paths or settings.max_bounces == 0 else bands(film)
+
+
+def bands(film: Film) -> np.ndarray:
+    """(pixels,) 1 in rows that are spread over the film."""
     band = np.arange(film.height) // PATCH
     return np.repeat(band % BANDS == min(BANDS // 2, band[-1]), film.width).astype(film.active.dtype)
 
@@ -135,6 +138,24 @@ def update(film: Film, settings: Settings) -> None:
         film.branches[(golden_ratio_sequence(len(known)) < PROBE_FRACTION) & (film.branches < PROBE_BRANCHES)] = (
             PROBE_BRANCHES
         )
+
+
+def gain_by_branches(film: Film, settings: Settings, noise_factor: float, time_factor: float) -> float:
+    """Error × time as the samples of the film, two or more of some pixels, let it expect, over that with branches of
+    so many times the noise (squared) and time. Pixels have the best number of branches for either."""
+    known = film.count >= FIRST_UPDATE
+    noise = _noise(film, known) if known.any() else None
+    if noise is None:
+        return 0.0
+    branches = (settings.indirect_paths,) if settings.indirect_paths else BRANCHES
+
+    def product(noise: _Noise) -> float:
+        groups = _grouped(_levels(noise.first), _levels(noise.second), film.count, known)
+        rate, count = _best(noise, groups, settings.samples, (1.0,), branches)
+        return _cost(noise, film.count, settings.samples, rate, count)
+
+    other = replace(noise, second=noise.second * noise_factor, met=noise.met * time_factor)
+    return product(noise) / max(product(other), 1e-300)
 
 
 def samples_left(film: Film) -> int:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 # Number of branches of a path: the maximum, and the number until the noise of pixels is known.
 MOST_BRANCHES, START_BRANCHES = 16, 4
+REUSE_GROUP = 64  # pixels whose paths share their branches
 LARGEST_BATCH = 32  # samples between two decisions
 
 
@@ -36,6 +37,14 @@ class LampPaths(enum.Enum):
     """Whether paths from SDF lamps help those from the camera (docs/sampling.md)."""
 
     AUTOMATIC = "AUTOMATIC"  # in final renders, where the first samples show that it pays
+    ALWAYS = "ALWAYS"  # where the scene can have it
+    NEVER = "NEVER"
+
+
+class PathReuse(enum.Enum):
+    """Whether paths of neighbouring pixels share their branches (docs/sampling.md)."""
+
+    AUTOMATIC = "AUTOMATIC"  # in final renders without denoising, where the first samples show that it pays
     ALWAYS = "ALWAYS"  # where the scene can have it
     NEVER = "NEVER"
 
@@ -115,6 +124,13 @@ class Settings:
         "walls scatter the light of hidden lamps. Automatic measures whether it pays. Only on the CPU and in final "
         "renders",
         label="Paths from Lamps",
+    )
+    path_reuse: PathReuse = _setting(
+        PathReuse.AUTOMATIC,
+        "Share the light that a path finds with the paths of neighbouring pixels. This gives much less noise, which is "
+        "alike in neighbours. Automatic measures whether it pays, and leaves it out where the picture is denoised. Only "
+        "on the CPU and in final renders",
+        label="Path Reuse",
     )
     clamp_direct: float = _setting(
         0.0, "Maximum value that one sample of direct light adds. 0 is no clamp, and no bias", 0.0, None

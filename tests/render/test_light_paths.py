@@ -12,8 +12,7 @@ import pytest
 from sdf_lights import jit
 from sdf_lights.graph.formula import Vector, constant
 from sdf_lights.render import session
-from sdf_lights.render.cpu import light_path_pilot as pilot
-from sdf_lights.render.cpu import light_paths
+from sdf_lights.render.cpu import light_paths, pilot
 from sdf_lights.render.film import Film
 from sdf_lights.render.lights.area import AreaLight
 from sdf_lights.render.lights.point import PointLight, SpotLight

@@ -13,7 +13,7 @@ from ...render.displacement import CyclesVersion, displace
 from ...render.material import UV
 from ...render.passes import BY_NAME
 from ...render.scene import Camera, Scene
-from ...render.settings import LampPaths, Settings
+from ...render.settings import LampPaths, PathReuse, Settings
 from .. import cycles, preferences, versions
 from ..passes import is_enabled, layer_passes
 from ..properties import layer_samples, settings_of
@@ -136,6 +136,8 @@ def frame_settings(scene: bpy.types.Scene, viewport: bool = False) -> Settings:
     preferences.apply(settings)
     if viewport and settings.lamp_paths is LampPaths.AUTOMATIC:
         settings.lamp_paths = LampPaths.NEVER  # it would have to be measured anew at each edit
+    if viewport and settings.path_reuse is PathReuse.AUTOMATIC:
+        settings.path_reuse = PathReuse.NEVER
     if settings.animate_seed:
         settings.seed = (settings.seed + scene.frame_current * _FRAME_STRIDE) & 0x7FFFFFFF
     return settings

@@ -12,7 +12,7 @@ from ...emitter.sampling import external
 from ...jit import fill_table, new_tables
 from ..errors import RenderError
 from ..film import Film
-from ..kernels import camera, geometry, lamp_tree, lights, motion, path, shading
+from ..kernels import camera, geometry, lamp_tree, lights, motion, path, path_reuse, shading
 from ..kernels import film as film_kernels
 from ..kernels.light_paths import code_table as light_path_code
 from ..kernels.light_paths import records as light_path_records
@@ -42,7 +42,7 @@ from ..kernels.subsurface import code_table as subsurface_code
 from ..kernels.workspace import WORKSPACE, WORKSPACE_TABLES
 from ..medium import some_varies
 from ..scene import Lamp, Scene, catchers_only, catches_shadows
-from ..settings import LampSampling
+from ..settings import REUSE_GROUP, LampSampling
 from ..strands import has_strands
 from .accelerator import accelerator_of
 
@@ -139,6 +139,11 @@ class PackedScene:
         if not len(center):
             return np.zeros(3), np.zeros(3)
         return (center - half).min(axis=0), (center + half).max(axis=0)
+
+    def set_path_reuse(self, step: int) -> None:
+        """Let the paths of neighbouring pixels share their branches; 0: not. Of so many paths, one shares an arrival
+        that is not diffuse."""
+        self.block["reuses_paths"], self.block["reuse_step"] = step > 0, step
 
     def set_light_paths(self, tables: dict[str, np.ndarray], scalars: dict[str, float]) -> None:
         """Connect paths with the vertices of light paths in these tables of ``light_paths.records``; with nothing
@@ -281,6 +286,7 @@ class Workspace:
             "spans": 2 * (packed.span_rows + len(packed.lamps)),
             "light_hits": packed.light_hits,
             **path.COUNTS,
+            **path_reuse.COUNTS,
             **shading.WORKSPACE_COUNTS,
             **cuts.WORKSPACE_COUNTS,
             **lights.WORKSPACE_COUNTS,
@@ -296,7 +302,24 @@ class Workspace:
         if secondary:
             self._secondary = Workspace(packed, secondary=False)
             fill_table(self.block, "secondary", self._secondary.block)
+            self._points, self._of_points = _point_workspaces()
+            fill_table(self.block, "points", self._points)
+
+    def arrivals(self) -> np.ndarray:
+        """(1,) ``path_reuse.ARRIVAL`` of this thread, which counts arrivals."""
+        return self._tables["reuse_arrival"]
 
     def lamp_lengths(self) -> np.ndarray:
         """(lamps, 2) lengths along rays of this thread: unresolved in each lamp, and inside it."""
         return self._tables["spans"].reshape(-1, 2)[self._span_rows :]
+
+
+def _point_workspaces() -> tuple[np.ndarray, list[dict[str, np.ndarray]]]:
+    """Workspaces for the points of path reuse, and the tables that they point to."""
+    blocks, kept = np.zeros(REUSE_GROUP, WORKSPACE), []
+    counts = {name: shading.WORKSPACE_COUNTS[name] for name in ("surface", "closures")}
+    for row in range(REUSE_GROUP):
+        kept.append(new_tables({name: WORKSPACE_TABLES[name] for name in counts}, counts))
+        for name, array in kept[-1].items():
+            fill_table(blocks[row : row + 1], name, array)
+    return blocks, kept

@@ -91,10 +91,9 @@ def supports_light_paths(scene: Scene, packed: PackedScene) -> bool:
 
     - There are lamps or lights from which light paths start: see ``powers_of``. What others emit is left to
       paths, and so is what light paths cannot follow: see ``materials_of``.
-    - Each object is met by all kinds of rays but the camera's or by none, as a light path does not know yet what kind
-      of ray it is seen by. For the same reason no material asks for the ray that meets it, no caustics are off.
-    - Nothing moves, scatters in a volume or catches shadows, and strands are opaque. What is transparent is so to light
-      rays, too.
+    - A light path does not know yet what kind of ray it is seen by: see ``is_alike``. For the same reason no material
+      asks for the ray that meets it.
+    - Strands are opaque. What is transparent is so to light rays, too.
     - No pass wants light by the lobe that scattered it first: a connection is of all lobes together.
     - No material has a BSDF that light paths do not know: see ``materials_of``.
     - Indirect light is not clamped strongly. A clamp takes less from connections than from paths, so the picture would
@@ -108,19 +107,8 @@ def supports_light_paths(scene: Scene, packed: PackedScene) -> bool:
         and not 0.0 < settings.clamp_indirect < LEAST_CLAMP
         and vertices_of(scene, packed) <= MOST_VERTICES
         and (settings.transparent_bounces > 0 or not block["transparent_shadows"])
-        and all(
-            rays & SCATTERED in (SCATTERED, 0) and receivers == blockers == ALL_SETS
-            for rays, receivers, blockers in {
-                # As integers: operations of enumerations take long, and there may be many thousands of instances.
-                (int(each.visibility), each.receivers, each.blockers)
-                for each in scene.instances
-            }
-        )
-        and not block["has_media"]
-        and not packed.moves
-        and not catches_shadows(scene)
+        and is_alike(scene, packed)
         and not block["outputs"] & LOBES
-        and block["caustics"] == GLOSSY | TRANSMISSION
         and not (packed.table("lobes")["features"] & ONCE).any()
         and not (packed.table("materials")["flags"][_on_strands(scene)] & HAS_TRANSPARENCY).any()
         and not (packed.table("materials")["flags"] & STOPS_LIGHT_RAYS).any()
@@ -128,6 +116,29 @@ def supports_light_paths(scene: Scene, packed: PackedScene) -> bool:
             node.kind == VARIABLE and node.value[0] in BY_PATH
             for roots in packed.graphs.structures
             for node in order(*roots)
+        )
+    )
+
+
+def is_alike(scene: Scene, packed: PackedScene) -> bool:
+    """Whether light that reaches a surface is the same for all kinds of rays that see it, so that one path may use what
+    another has found there.
+
+    Each object is met by all kinds of rays but the camera's or by none, and no caustics are off. Nothing moves,
+    scatters in a volume or catches shadows.
+    """
+    return bool(
+        not packed.block[0]["has_media"]
+        and not packed.moves
+        and not catches_shadows(scene)
+        and packed.block[0]["caustics"] == GLOSSY | TRANSMISSION
+        and all(
+            rays & SCATTERED in (SCATTERED, 0) and receivers == blockers == ALL_SETS
+            for rays, receivers, blockers in {
+                # As integers: operations of enumerations take long, and there may be many thousands of instances.
+                (int(each.visibility), each.receivers, each.blockers)
+                for each in scene.instances
+            }
         )
     )
 

@@ -86,17 +86,64 @@ def trace_branches(block, workspace, x, y, branches, first_branch):
 
     What comes before is sampled once, and the branches, numbered from ``first_branch`` on, as evenly as all of a pixel.
     """
-    paths, sample = path_table(workspace), sample_table(workspace)[0]
+    if begin_sample(block, workspace, x, y, branches):
+        follow_branches(block, workspace, branches, first_branch)
+
+
+@kernel
+def begin_sample(block, workspace, x, y, branches):
+    """Follow a new path through the pixel (x, y) to where it should divide: True there."""
+    sample = sample_table(workspace)[0]
     sample.branches = branches
     start_path(block, workspace, x, y)
     if not trace_path(block, workspace, True):
-        return
-    sample.divided, before = 1, brightness(sample)
+        return False
+    sample.divided = 1
     put(sample.before, vec(sample.combined))
     put(sample.lamps_before, vec(sample.lamps))
+    return True
+
+
+@kernel
+def follow_branches(block, workspace, branches, first_branch):
+    """Follow the path of the workspace from where it divides to the ends of its branches."""
+    paths, sample = path_table(workspace), sample_table(workspace)[0]
     if branches == 1 and not block.light_paths:
         follow_only_branch(block, workspace, first_branch)
         return
+    divide_path(block, workspace, branches, first_branch)
+    light = brightness(sample)
+    for branch in range(branches):
+        if paths[FIRST_BRANCH + branch].alive:
+            paths[0] = paths[FIRST_BRANCH + branch]
+            restore_state(block, workspace, FIRST_BRANCH + branch)
+            ray_table(workspace)[0] = ray_table(workspace)[FIRST_BRANCH_RAY + branch]
+            cut_table(workspace)[1].lamp = -1  # the branch before has left one of another point there
+            if block.has_subsurface:
+                cut_table(workspace)[0].lamp = -1  # or one of its exit here
+            if shade_and_scatter(block, workspace, False) == GOES_ON:
+                trace_path(block, workspace, False)
+        paths[FIRST_BRANCH + branch].brought += brightness(sample) - light
+        light = brightness(sample)
+    add_spread(workspace, branches)
+
+
+@kernel
+def add_spread(workspace, branches):
+    """Add to ``spread`` of the sample how what its branches have brought scatters. Each has brought its part of the
+    sample: the mean over branches."""
+    paths, sample, total = path_table(workspace), sample_table(workspace)[0], 0.0
+    for branch in range(branches):
+        total += paths[FIRST_BRANCH + branch].brought
+    for branch in range(branches):
+        sample.spread += (branches * paths[FIRST_BRANCH + branch].brought - total) ** 2
+
+
+@kernel
+def divide_path(block, workspace, branches, first_branch):
+    """Scatter the path of the workspace as so many branches, follow them to their next surfaces, and end some of
+    them."""
+    paths, sample = path_table(workspace), sample_table(workspace)[0]
     paths[WAITING] = paths[0]
     save_state(block, workspace, WAITING)
     if block.light_paths:
@@ -112,6 +159,7 @@ def trace_branches(block, workspace, x, y, branches, first_branch):
             light_paths.connect(block, workspace)
             sample.met += CONNECTION_COST * block.light_path_connections + WEIGHTS_COST
         paths[0].alive = int(scatter(block, workspace))
+        paths[0].scale = largest(vec(paths[0].throughput))
         if block.light_paths and paths[0].alive and paths[0].pdf > 0.0 and paths[0].event != AT_EXIT:
             paths[0].connects = BEFORE
             put(paths[0].connection_weight, WHITE)
@@ -122,23 +170,6 @@ def trace_branches(block, workspace, x, y, branches, first_branch):
         save_state(block, workspace, FIRST_BRANCH + branch)
     intersect_branches(block, workspace, branches)
     roulette_branches(workspace, branches)
-    light = brightness(sample)
-    for branch in range(branches):
-        if paths[FIRST_BRANCH + branch].alive:
-            paths[0] = paths[FIRST_BRANCH + branch]
-            restore_state(block, workspace, FIRST_BRANCH + branch)
-            ray_table(workspace)[0] = ray_table(workspace)[FIRST_BRANCH_RAY + branch]
-            cut_table(workspace)[1].lamp = -1  # the branch before has left one of another point there
-            if block.has_subsurface:
-                cut_table(workspace)[0].lamp = -1  # or one of its exit here
-            if shade_and_scatter(block, workspace, False) == GOES_ON:
-                trace_path(block, workspace, False)
-        paths[FIRST_BRANCH + branch].brought += brightness(sample) - light
-        light = brightness(sample)
-    # A branch has brought its part of the sample: the mean over branches.
-    mean = (light - before) / branches
-    for branch in range(branches):
-        sample.spread += (branches * (paths[FIRST_BRANCH + branch].brought - mean)) ** 2
 
 
 @kernel

@@ -41,6 +41,7 @@ from ..scene import Camera, Instance, Lamp, Mesh, Scene, World
 from ..settings import Settings
 from .block import PackedScene, Workspace
 from .light_paths import LightPaths
+from .path_reuse import render_tile_reusing
 from .path_splitting import render_tile
 from .renderer import CpuRenderer
 
@@ -91,7 +92,7 @@ def _paths() -> tuple[list, Callable[[], None]]:
         scene = _scene(lamps=False)
         CpuRenderer(scene, Film(scene, ()), lambda: False, lambda text: None)
 
-    return [render_tile], run
+    return [render_tile, render_tile_reusing], run
 
 
 def _light_paths() -> tuple[list, Callable[[], None]]:

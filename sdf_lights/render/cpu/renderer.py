@@ -18,12 +18,24 @@ from .. import sample_allocation
 from ..errors import RenderError
 from ..film import Film
 from ..scene import Scene
+from ..settings import PathReuse
 from . import background
 from .block import PackedScene, Workspace
-from .light_path_pilot import SAMPLES as PILOT_SAMPLES
-from .light_path_pilot import Pilot, is_affordable, is_worthwhile, may_be_worthwhile, pilot_pixels
 from .light_paths import LightPaths
+from .path_reuse import MOST_STEP, render_tile_reusing, step_for, supports_path_reuse
 from .path_splitting import render_tile
+from .pilot import (
+    GAIN,
+    LEAST_SAMPLES,
+    REUSE_GAIN,
+    Pilot,
+    gain,
+    is_affordable,
+    may_be_worthwhile,
+    pilot_pixels,
+    reuse_gain,
+)
+from .pilot import SAMPLES as PILOT_SAMPLES
 
 TILE = 32
 POLL_SECONDS = 0.05
@@ -40,6 +52,7 @@ class CpuRenderer:
         self._warnings = scene.warnings
         self._packed: PackedScene | None = None
         self._light_paths: LightPaths | None = None
+        self._may_reuse = self._reuses = False  # whether paths may share branches, and whether they do
         self._workspaces: list[Workspace] = []
         self._tiles = _tiles(film)
         self.ready = self._prepare(scene, cancelled, say)
@@ -59,8 +72,10 @@ class CpuRenderer:
                     check()
                 self._workspaces = _workspaces(packed, scene, len(self._tiles))
                 self._packed = packed
-                self._light_paths = LightPaths.of(scene, packed, self._workspaces)
-                self._render((0, 0, 0, 0), 0, self._workspaces[0])
+                self._find_strategies(scene, packed)
+                for step in (MOST_STEP, 0) if self._may_reuse else (0,):
+                    self._reuse(step)
+                    self._render((0, 0, 0, 0), 0, self._workspaces[0])
             except Interrupted:
                 pass
             except Exception as error:
@@ -87,7 +102,7 @@ class CpuRenderer:
         self._scene = scene
         self._warnings = scene.warnings
         self._workspaces = _workspaces(self._packed, scene, len(self._tiles))
-        self._light_paths = LightPaths.of(scene, self._packed, self._workspaces)
+        self._find_strategies(scene, self._packed)
 
     def update_camera(self, scene: Scene, film: Film) -> None:
         """Take the camera, the settings and the ray visibility of lamps of ``scene``, and another film."""
@@ -96,7 +111,18 @@ class CpuRenderer:
         self._packed.update_camera(scene, film)
         if self._packed.output_counts != before:
             self._workspaces = _workspaces(self._packed, scene, len(self._tiles))
-        self._light_paths = LightPaths.of(scene, self._packed, self._workspaces)
+        self._find_strategies(scene, self._packed)
+
+    def _find_strategies(self, scene: Scene, packed: PackedScene) -> None:
+        """Find out which strategies for light that surfaces scatter the scene can have. None is used yet."""
+        self._light_paths = LightPaths.of(scene, packed, self._workspaces)
+        self._may_reuse = supports_path_reuse(scene, packed)
+        self._reuse(0)
+
+    def _reuse(self, step: int) -> None:
+        """Let the paths of neighbouring pixels share their branches from now on, as ``PackedScene.set_path_reuse``."""
+        self._reuses = step > 0
+        self._packed.set_path_reuse(step)
 
     def interrupt(self) -> None:
         """Stop sampling within milliseconds, if ``stop`` also returns True then. Other threads may call this."""
@@ -105,7 +131,8 @@ class CpuRenderer:
             packed.control[0] = 1
 
     def _render(self, tile, samples: int, workspace: Workspace) -> None:
-        render_tile(workspace.scene, workspace.block, *tile, samples)
+        render = render_tile_reusing if self._reuses else render_tile
+        render(workspace.scene, workspace.block, *tile, samples)
 
     def sample(self, first: int, count: int, stop: Callable[[], bool], report: Callable[[float], None]) -> bool:
         """Add samples ``first`` to ``first + count − 1`` to every active pixel whose rate is 1. Returns False if
@@ -124,7 +151,7 @@ class CpuRenderer:
             if not self._sample_pixels(before, 1, stop, lambda part: report(begun * part)):
                 return False
             sample_allocation.divide(film, self._settings)
-        if first == 0 and not self._try_light_paths(stop):
+        if first == 0 and not self._choose(stop):
             return False
         at, end = first, first + count
         while at < end:
@@ -139,44 +166,84 @@ class CpuRenderer:
         film.samples = end
         return True
 
-    def _try_light_paths(self, stop: Callable[[], bool]) -> bool:
-        """Keep light paths only if they pay. The film has none of the samples that tell, and begins anew with light
-        paths. Returns False if stopped before the end."""
-        light_paths, film = self._light_paths, self._film
-        if light_paths is None or not light_paths.automatic:
-            return True
-        self._light_paths = None
-        pixels = pilot_pixels(film, self._settings.samples)
-        if pixels is None or not is_affordable(pixels, light_paths, film, self._settings.samples):
-            return True
-        without = self._pilot(pixels, stop)
-        if without is None or not may_be_worthwhile(without):
-            return without is not None
-        connected = self._pilot(pixels, stop, light_paths)
-        if connected is None:
+    def _choose(self, stop: Callable[[], bool]) -> bool:
+        """Use light paths or path reuse, as the settings say, or where it pays; never both, as connections leave little
+        to share. The film then begins anew. Returns False if stopped before the end."""
+        light_paths, self._light_paths = self._light_paths, None
+        promise, reused, step = 0.0, 0.0, 0
+        self._reuse(0)
+        if light_paths is not None:
+            promise = self._try_light_paths(light_paths, stop) if light_paths.automatic else np.inf
+        if self._may_reuse and promise is not None and promise < np.inf:
+            reused, step = self._try_reuse(stop)
+        if promise is None or reused is None:
             return False
-        if is_worthwhile(without, connected):
-            film.clear()
+        if reused > max(REUSE_GAIN, promise**2):  # light paths bring about the square of what their pilot promises
+            self._film.clear()
+            self._reuse(step)
+        elif promise > GAIN:
+            if promise < np.inf:
+                self._film.clear()
             self._light_paths = light_paths
         return True
 
-    def _pilot(
-        self, pixels: np.ndarray, stop: Callable[[], bool], light_paths: LightPaths | None = None
-    ) -> Pilot | None:
-        """Samples of some pixels on a film of their own, with ``light_paths`` or without; None if stopped before the
+    def _try_light_paths(self, light_paths: LightPaths, stop: Callable[[], bool]) -> float | None:
+        """The gain that light paths promise; None if stopped before the end."""
+        film, samples = self._film, self._settings.samples
+        pixels = pilot_pixels(film, samples)
+        if pixels is None or not is_affordable(pixels, light_paths, film, samples):
+            return 0.0
+        without = self._trial(pixels, PILOT_SAMPLES, stop)
+        if without is None:
+            return None
+        without = Pilot.of(without, pixels)
+        if not may_be_worthwhile(without):
+            return 0.0
+        connected = self._trial(pixels, PILOT_SAMPLES, stop, light_paths)
+        return None if connected is None else gain(without, Pilot.of(connected, pixels))
+
+    def _try_reuse(self, stop: Callable[[], bool]) -> tuple[float | None, int]:
+        """The gain that path reuse promises by samples of some rows of pixels, and its step; None if stopped before the
+        end."""
+        settings, rows = self._settings, sample_allocation.bands(self._film)
+        always = settings.path_reuse is PathReuse.ALWAYS
+        if settings.samples < LEAST_SAMPLES and not always:
+            return 0.0, 0
+        step, shared = 0, None
+        for workspace in self._workspaces:
+            workspace.arrivals()[:] = 0
+        while step != (found := step_for(self._arrivals()) if step else MOST_STEP):
+            step = found
+            self._reuse(step)
+            shared = self._trial(rows, 1, stop)
+            self._reuse(0)
+            if shared is None:
+                return None, 0
+        if always:
+            return np.inf, step
+        alone = self._trial(rows, PILOT_SAMPLES, stop)
+        return (None if alone is None else reuse_gain(alone, shared, settings)), step
+
+    def _arrivals(self) -> np.ndarray:
+        return np.concatenate([workspace.arrivals() for workspace in self._workspaces])
+
+    def _trial(
+        self, pixels: np.ndarray, samples: int, stop: Callable[[], bool], light_paths: LightPaths | None = None
+    ) -> Film | None:
+        """A film of its own, with samples of some pixels, with ``light_paths`` or without; None if stopped before the
         end."""
         trial = Film(self._scene, self._film.passes)
         trial.branches[:], trial.active[:] = self._film.branches, pixels
         self._packed.set_film(self._scene, trial)
         done = True
-        for sample in range(PILOT_SAMPLES):
+        for sample in range(samples):
             if light_paths is not None:
                 light_paths.use_pilot(sample)
             done = done and self._sample_active(sample + 1, stop, lambda part: None)
         if light_paths is not None:
             light_paths.rest()
         self._packed.set_film(self._scene, self._film)
-        return Pilot.of(trial, pixels) if done else None
+        return trial if done else None
 
     def _sample_pixels(self, pixels: np.ndarray, samples: int, stop, report: Callable[[float], None]) -> bool:
         """``_sample_active`` for those active pixels where ``pixels`` is 1."""

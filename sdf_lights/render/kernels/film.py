@@ -166,6 +166,12 @@ def samples_due(block, pixel, samples):
 
 
 @kernel
+def samples_had(block, pixel):
+    """The number of samples that pixels of rate 1 have at least, by those of this pixel."""
+    return max(np.int64((_count(block)[pixel] - 0.5) / _rate(block)[pixel]), 0)
+
+
+@kernel
 def branches_of(block, pixel):
     """Number of branches of a pixel's paths."""
     return np.int64(_branches(block)[pixel])

@@ -14,7 +14,7 @@ import numpy as np
 
 from ...jit import kernel
 from ...vec import absolute, average, dot, largest, mul, negate, put, put_sum, scale, sub, vec
-from . import lights
+from . import lights, path_reuse
 from .camera import camera_ray, filter_offset, view_depth
 from .gather import gather_lamps, gather_lights, gather_surface, gather_world, last_lamp_exit
 from .geometry import find_surface, instance_table, shading_material_table, surface_table
@@ -26,6 +26,7 @@ from .next_event import sample_direct_light
 from .outputs import dispatch as outputs
 from .outputs.records import CATCHERS, DATA, LOBES
 from .path import (
+    ARRIVES,
     AT_EXIT,
     AT_SURFACE,
     BEFORE,
@@ -260,7 +261,7 @@ def start_path(block, workspace, x, y):
     path.event, path.in_medium, path.crossed, path.catches, path.connects = AT_SURFACE, 0, 0, 0, NOWHERE
     path.stopped = 0
     path.path_weight = path.unconnected = 1.0
-    path.connects_again = 0
+    path.connects_again = path.reused = 0
     path.dimension = CAMERA_SETS
     path.branch_weight, path.scattered, path.light_tree = 1.0, 0, 0
     path.kept = path.found = -1
@@ -387,6 +388,8 @@ def shade_and_scatter(block, workspace, whole):
     sample.met += sample.divided
     if not exits:
         gather_surface(block, workspace)
+    if block.reuses_paths and path.reused == ARRIVES:
+        path_reuse.arrive(block, workspace)
     if path.kind == CAMERA:
         subtract_alpha(workspace, surface.holdout)
         put_sum(sample.diffuse_albedo, mul(vec(path.throughput), vec(surface.diffuse_albedo)))

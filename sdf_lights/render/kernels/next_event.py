@@ -15,7 +15,7 @@ from ...emitter.sampling import cut_points, external
 from ...emitter.sampling.strategies import BOXES, EXTERNAL, NO_LIGHT_RAYS, WHOLE_RAYS
 from ...jit import kernel
 from ...replaced import replaced_on_gpu
-from ...vec import dot, is_zero, largest, length, mul, negate, scale, vec
+from ...vec import dot, is_zero, largest, length, mul, negate, put, scale, vec
 from . import lights
 from .emission_graphs import NO_RAY, modulated
 from .geometry import surface_at, surface_table
@@ -26,6 +26,7 @@ from .outputs import dispatch as outputs
 from .outputs.records import LOBES
 from .outputs.state import LIGHT_RAY
 from .path import BEYOND, LIGHT_SET, contribute, path_table, put_depths, sample_table
+from .path_reuse import arrival_table
 from .samplers import get_4d
 from .shading import evaluate, has_lobes, shade, transmits
 from .shading.records import SCATTERED
@@ -140,8 +141,11 @@ def record_scattering_lobes(block, workspace, wi, emitter):
 
 
 @kernel
-def leave_to_light_paths(block, workspace, wi, emitter):
-    """Leave to connections what they estimate of the light of a light ray along wi, where they do so."""
+def note_light_ray(block, workspace, wi, emitter):
+    """Leave to connections what they estimate of the light of a light ray along wi, where they do so; and note the
+    direction for path reuse."""
+    if block.reuses_paths:
+        put(arrival_table(workspace)[0].light_direction, wi)
     if block.light_paths and path_table(workspace)[0].connects == BEYOND and light_path_sources(block)[emitter]:
         light_paths.record_connected(block, workspace, wi)
 
@@ -180,7 +184,7 @@ def sample_lamp_light(block, workspace, lamp, pmf, u, u1, u2, u3):
         weight = mul(weight, transmittance(block, workspace, start, to_point, t_max, lights.blockers(block, lamp)))
         if not is_zero(weight):
             record_scattering_lobes(block, workspace, wi, lamp)
-            leave_to_light_paths(block, workspace, wi, lamp)
+            note_light_ray(block, workspace, wi, lamp)
             contribute(
                 block, workspace, mul(weight, intensity), 1.0 / (pmf * distance * distance), lamp, path.bounce + 1
             )
@@ -199,7 +203,7 @@ def sample_lamp_light(block, workspace, lamp, pmf, u, u1, u2, u3):
     radiance = visible_lamp(block, workspace, lamp, x, wi, spans, count, light_start(block, workspace, wi), u)
     if not is_zero(radiance):
         record_scattering_lobes(block, workspace, wi, lamp)
-        leave_to_light_paths(block, workspace, wi, lamp)
+        note_light_ray(block, workspace, wi, lamp)
         contribute(block, workspace, mul(weight, radiance), 1.0 / pdf_sum, lamp, path.bounce + 1)
 
 
@@ -246,5 +250,5 @@ def sample_direct_light(block, workspace):
     if singular or not mis_applies(block, emitter):
         scatter_pdf = 0.0
     record_scattering_lobes(block, workspace, wi, emitter)
-    leave_to_light_paths(block, workspace, wi, emitter)
+    note_light_ray(block, workspace, wi, emitter)
     contribute(block, workspace, radiance, 1.0 / (pmf * pdf + scatter_pdf), emitter, scatters)

@@ -21,7 +21,7 @@ from ..motion import LEAST_POWER, at, changes_shape, lamp_at, light_steps, shape
 from ..scene import Instance, Lamp, Mesh, Primitive, Scene
 from ..settings import LampSampling
 from ..strands import margin
-from . import camera, emission_graphs, film, geometry, integrator, lamp_tree, lights, motion, rays, shading
+from . import camera, emission_graphs, film, geometry, integrator, lamp_tree, lights, motion, path_reuse, rays, shading
 from .light_paths import records as light_path_records
 from .lights import kinds
 from .media import pack as media
@@ -75,6 +75,7 @@ SCALARS = [
     *motion.SCALARS,
     *output_records.SCALARS,
     *light_path_records.SCALARS,
+    *path_reuse.SCALARS,
 ]
 BLOCK = block_dtype(TABLES, SCALARS)
 

@@ -7,7 +7,7 @@ import numpy as np
 from ...jit import kernel, table
 from ...vec import ZERO, average, mul, put, put_sum, scale, sub, vec
 from ..scene import Ray
-from ..settings import MOST_BRANCHES
+from ..settings import MOST_BRANCHES, REUSE_GROUP
 from . import lights
 from .light_paths.records import source_table as light_path_sources
 from .outputs import dispatch as outputs
@@ -79,7 +79,10 @@ SAMPLE = np.dtype(
 # tree. ``connects_again`` is 1 where a later surface is connected, too, and ``unconnected`` is the part of the light of
 # sources that connections of surfaces before have left. ``stopped`` is not 0 if the ray has passed a surface that stops
 # light rays. ``catches`` is 1 once the camera's path has hit a shadow catcher. ``spans`` still holds the ``kept_count``
-# intervals of the lamp ``kept`` along the ray; −1: of none.
+# intervals of the lamp ``kept`` along the ray; −1: of none. ``reused`` says whether the light of a branch is shared
+# among the paths of a group: UNSHARED, ARRIVES on the way to the surface that may be, REUSED there if it is, and ONWARD
+# behind it. ``row`` is that of the sample of a branch's own path, and ``scale`` the largest throughput as the branch
+# began.
 PATH = np.dtype(
     [
         ("origin", "f8", 3),
@@ -131,6 +134,9 @@ PATH = np.dtype(
         ("connections", "i8"),
         ("connects_again", "i8"),
         ("unconnected", "f8"),
+        ("reused", "i8"),
+        ("row", "i8"),
+        ("scale", "f8"),
     ],
     align=True,
 )
@@ -143,7 +149,13 @@ FIRST_BRANCH_RAY = 1
 KEPT_RAY = FIRST_BRANCH_RAY + MOST_BRANCHES
 # The path that has hit a shadow catcher, with its ray, and the sample while the path continues among catchers alone.
 CAUGHT, CAUGHT_RAY, KEPT_SAMPLE = FIRST_BRANCH + MOST_BRANCHES, KEPT_RAY + 1, 1
-COUNTS = {"path": CAUGHT + 1, "sample": KEPT_SAMPLE + 1, "ray": CAUGHT_RAY + 1}
+# Of path reuse: the first path of a group, its branches, and the samples of its paths.
+GROUP_START, GROUP_PATH, GROUP_RAY, GROUP_SAMPLE = CAUGHT + 1, CAUGHT + 2, CAUGHT_RAY + 1, KEPT_SAMPLE + 1
+COUNTS = {
+    "path": GROUP_PATH + REUSE_GROUP * MOST_BRANCHES,
+    "sample": GROUP_SAMPLE + REUSE_GROUP,
+    "ray": GROUP_RAY + REUSE_GROUP * MOST_BRANCHES,
+}
 
 path_table = table("path", PATH)
 sample_table = table("sample", SAMPLE)
@@ -152,6 +164,7 @@ sample_table = table("sample", SAMPLE)
 NO_EMITTER = -1
 
 NOWHERE, BEFORE, BEYOND = range(3)  # values of ``connects``
+UNSHARED, ARRIVES, REUSED, ONWARD = range(4)  # values of ``reused``
 
 
 @kernel
@@ -183,7 +196,7 @@ def contribute(block, workspace, radiance, factor, source, scatters):
     if source >= 0:
         value = leave_connected(block, path, value, source)
     limit = block.clamp_indirect if scatters > 1 else block.clamp_direct
-    if limit > 0.0:
+    if limit > 0.0 and not (block.reuses_paths and path.reused >= REUSED):
         brightness = value[0] + value[1] + value[2]
         if brightness > limit:
             value = scale(value, limit / brightness)

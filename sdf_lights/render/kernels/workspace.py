@@ -15,6 +15,7 @@ from .light_paths.records import WORKSPACE_TABLES as LIGHT_PATH_TABLES
 from .media.records import WORKSPACE_TABLES as MEDIA_TABLES
 from .outputs.records import WORKSPACE_TABLES as OUTPUT_TABLES
 from .path import TABLES, path_table
+from .path_reuse import TABLES as REUSE_TABLES
 from .rays import RAY
 from .shading.records import WORKSPACE_TABLES as SHADING_TABLES
 
@@ -30,13 +31,16 @@ WORKSPACE_TABLES = {
     **LIGHT_PATH_TABLES,
     **MEDIA_TABLES,
     **OUTPUT_TABLES,
+    **REUSE_TABLES,
 }
-# ``secondary`` is a second workspace for shading the hit of a light ray while the path's own surface waits.
-WORKSPACE = block_dtype({**WORKSPACE_TABLES, "secondary": None})
+# ``secondary`` is a second workspace for shading the hit of a light ray while the path's own surface waits. The points
+# of path reuse have workspaces with surfaces and closures alone.
+WORKSPACE = block_dtype({**WORKSPACE_TABLES, "secondary": None, "points": None})
 
 _rows_of_spans = table("spans", np.float64, 2)
 hit_table = table("light_hits", lights.HIT)
 secondary_table = table("secondary", WORKSPACE)
+point_workspaces = table("points", WORKSPACE)
 region_table = table("lamp_regions", cuts.KEYS)
 box_table = table("lamp_boxes", cuts.BOXES)
 cut_table = table("lamp_cuts", cuts.CUT)

@@ -1,11 +1,12 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether light paths pay: two samples of a few pixels without them are compared with two samples with them.
+"""Whether light paths or path reuse pay.
 
-Both are compared by the product of error and time, each with the best number of branches for it: with connections,
-paths need fewer. Time is counted in surfaces that rays meet, as in ``sample_allocation.py``. It is never measured, so a
-seed gives one picture on all machines. The pilots have films of their own, so the picture without light paths is as if
-they had never been there.
+Two samples of a few pixels without light paths are compared with two samples with them. Path reuse needs neighbours, so
+whole rows of pixels tell what it does to the scatter of branches. All are compared by the product of error and time,
+each with the best number of branches for it: with connections, paths need fewer. Time is counted in surfaces that rays meet, as in ``sample_allocation.py``. It is never measured, so a
+seed gives one picture on all machines. The pilots have films of their own, so the picture without either is as if they
+had never been there.
 """
 
 from __future__ import annotations
@@ -14,7 +15,8 @@ import numpy as np
 
 from ...frozen import frozen
 from ..film import Film
-from ..sample_allocation import golden_ratio_sequence, own_cost
+from ..sample_allocation import gain_by_branches, golden_ratio_sequence, own_cost
+from ..settings import Settings
 from .light_paths import LightPaths
 
 SAMPLES = 2  # of each pilot pixel: the fewest that scatter
@@ -27,6 +29,8 @@ MOST_COST = 0.03
 # it promised 0.7 to 1.7, they brought 1 to 8, and where it promised less than 0.5, 0.3 to 0.5. And what they must
 # promise before they are tried.
 GAIN, LEAST_POTENTIAL = 0.7, 1.5
+# The same of path reuse, and the least number of samples for which the trial of a sample of some rows costs little.
+REUSE_GAIN, LEAST_SAMPLES = 1.15, 8
 OUTLIERS = 0.01  # part of the pilot pixels that a second comparison leaves out: a few bright ones must not decide
 FLOOR = 0.05  # part of the mean square brightness that is added to the squares which errors are relative to
 
@@ -88,24 +92,38 @@ def _weights(sums: np.ndarray) -> np.ndarray:
 
 
 def may_be_worthwhile(without: Pilot) -> bool:
-    """Whether light paths could pay, if they took all noise from the light that surfaces scatter."""
+    """Whether either could pay, if it took all noise from the light that surfaces scatter."""
     weights = _weights(without.sums)
     return float(weights @ without.whole) > LEAST_POTENTIAL * float(weights @ without.before)
 
 
-def is_worthwhile(without: Pilot, connected: Pilot) -> bool:
-    """Whether light paths lower error × time clearly, of all pixels and of most."""
-    return gain(without, connected) > GAIN
-
-
-def gain(without: Pilot, connected: Pilot) -> float:
-    """Error × time without light paths over that with them: the lesser of those of all pixels and of most."""
-    weights = _weights(without.sums + connected.sums)
+def gain(without: Pilot, other: Pilot) -> float:
+    """Error × time of one pilot over that of the other: the lesser of those of all pixels and of most."""
+    weights = _weights(without.sums + other.sums)
     found = []
     for part in (0.0, OUTLIERS):
         products = []
-        for pilot in (without, connected):
+        for pilot in (without, other):
             noise = weights * pilot.whole
             products.append(pilot.error_times_time(np.where(noise <= np.quantile(noise, 1.0 - part), weights, 0.0)))
         found.append(products[0] / products[1] if products[1] > 0.0 else 0.0)
     return min(found)
+
+
+def reuse_gain(alone: Film, shared: Film, settings: Settings) -> float:
+    """Error × time without path reuse over that with it. The films have samples of the same rows of pixels, without
+    and with it: what these tell of the noise and time of a branch goes for all pixels."""
+    rows = shared.count > 0
+    weights = np.where(rows, _weights(alone.squares[:, 2] / 2.0 + shared.squares[:, 2]), 0.0)
+
+    def branch(film: Film) -> tuple[float, float]:
+        """Its noise, and the surfaces that it meets."""
+        freedom = np.maximum(film.divided[:, 0] - film.count, 1.0)
+        return float(weights @ (film.squares[:, 3] / freedom)), film.divided[:, 2].sum() / film.divided[:, 0].sum()
+
+    if not (rows.any() and shared.divided[:, 2].any() and alone.divided[:, 2].any()):
+        return 0.0
+    (noise, time), (noise_alone, time_alone) = branch(shared), branch(alone)
+    if not noise_alone > 0.0:
+        return 0.0
+    return gain_by_branches(alone, settings, noise / noise_alone, time / time_alone)
