@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The gain of light paths: error × time without them, over that with the automatic choice, in rooms that lamps and
-lights light by way of walls and in scenes where they should not be used. And error × time of Cycles and of the paper's
+"""The gain of light paths and path reuse: error × time without both, over that with the automatic choice, in rooms
+that lamps and lights light by way of walls and in scenes where they should not be used. And error × time of Cycles and of the paper's
 sampler over ours: see ``indirect_rivals``.
 
 As in ``allocation``, the error is the variance of renders with different seeds, and both variants take turns. The time
-is the processor time of a whole render, with all that light paths need before the first sample.
+is the processor time of a whole render, with all that is needed before the first sample.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from . import (
 from .resume import in_parts
 from .turns import in_turns, stack_of, work_of
 
-HELP = "the gain of light paths in rooms that are lit by way of walls, and what they lose elsewhere"
+HELP = "the gain of light paths and path reuse in rooms that are lit by way of walls, and what they lose elsewhere"
 
 ROOMS, LIGHTS = tuple(indirect_rooms.ROOMS), tuple(indirect_rooms.LIGHTS)
 STAGES = (*lamp_scenes.THE_FIVE, "room")
@@ -47,9 +47,10 @@ RIVALS_SEEDS, QUICK_RIVALS_SEEDS = 8, 3
 DOCUMENT = host.REPOSITORY / "docs" / "sampling.md"
 BEGIN, END = "<!-- indirect -->", "<!-- end of indirect -->"
 COLUMNS = dict(
-    gain="without light paths", paper="the paper's sampler", cycles="Cycles", cycles_guided="Cycles, path guiding"
+    gain="without both", paper="the paper's sampler", cycles="Cycles", cycles_guided="Cycles, path guiding"
 )
-WITHOUT, AUTOMATIC = "NEVER", "AUTOMATIC"  # values of ``scene.sdf_lights.lamp_paths``
+# Values of ``scene.sdf_lights.lamp_paths`` and ``path_reuse``.
+WITHOUT, AUTOMATIC = "NEVER", "AUTOMATIC"
 
 
 def arguments(parser) -> None:
@@ -58,18 +59,20 @@ def arguments(parser) -> None:
         "--rooms", type=some_of(SCENES), metavar="SCENES", help=f"with commas between: {', '.join(SCENES)}"
     )
     parser.add_argument(
-        "--no-rivals", dest="rivals", action="store_false", help="compare only with and without light paths"
+        "--no-rivals", dest="rivals", action="store_false", help="compare only with and without both"
     )
 
 
-def _render(name: str, scene, variant: str, samples: int, seed: int, device: str) -> pictures.Picture:
+def _render(
+    name: str, scene, variant: str, samples: int, seed: int, device: str, reuse: str = ""
+) -> pictures.Picture:
     if name in ORDINARY:
         beside_cycles.settings(scene, beside_cycles.GUIDED, samples, seed, device)
     else:
         simple_scenes.plain_sdf_lights(scene, samples, BOUNCES, device)
         scene.sdf_lights.indirect_paths, scene.sdf_lights.guided_samples = 0, True
         scene.sdf_lights.seed = seed
-    scene.sdf_lights.lamp_paths = variant
+    scene.sdf_lights.lamp_paths, scene.sdf_lights.path_reuse = variant, reuse or variant
     return pictures.render()
 
 
@@ -91,6 +94,10 @@ def measure(name: str, options) -> dict:
         {variant: stack_of(pile) for variant, pile in made.items()},
         {variant: work_of(pile) for variant, pile in made.items()},
     )
+    if row["used"]:
+        without_reuse = _render(name, scene, AUTOMATIC, samples, 0, options.device, reuse=WITHOUT)
+        connected = np.array_equal(without_reuse.pixels, made[AUTOMATIC][0].pixels)
+        row["chosen"] = "light paths" if connected else "path reuse"
     seeds = QUICK_RIVALS_SEEDS if options.quick else RIVALS_SEEDS
     rivals = _rivals(name, options.device) if options.rivals else {}
     return row | {key: indirect_rivals.ratio(rival, made[AUTOMATIC], seeds) for key, rival in rivals.items()}
@@ -144,8 +151,8 @@ def row_of(stacks: dict[str, np.ndarray], work: dict[str, float]) -> dict:
 
 def summary_of(rows: list[dict]) -> dict:
     """``rooms_gain_min`` and ``…_geomean``: of rooms with lamps. ``lights_gain_min``: of those that other lights light
-    by way of walls. ``loss_max``: the greatest error × time with the automatic choice over that without light paths, of
-    all scenes. ``used_elsewhere``: in how many other scenes light paths are used.
+    by way of walls. ``loss_max``: the greatest error × time with the automatic choice over that without both, of all
+    scenes. ``used_elsewhere``: in how many other scenes one of them is used.
 
     Error × time over ours: ``mse_ratio_cycles_bounces_…`` of Cycles' emission volumes and ``mse_ratio_paper_bounces_…``
     of the paper's sampler in S1 to S5, ``rooms_ratio_cycles_min`` of Cycles' mesh lights in rooms, the better one of
@@ -178,9 +185,9 @@ def document(rows: list[dict]) -> None:
     lines = {line.split(" | ")[0].removeprefix("| "): line for line in table.strip().splitlines()[2:]}
     for row in rows:
         cells = (f"{row[key]:.{0 if row[key] >= 10.0 else 2}f}" if key in row else "" for key in COLUMNS)
-        used = "used" if row["used"] else "not used"
-        lines[row["indirect_scene"]] = f"| {row['indirect_scene']} | {used} | {' | '.join(cells)} |"
-    head = [f"| scene | light paths | {' | '.join(COLUMNS.values())} |", "|---" * (len(COLUMNS) + 2) + "|"]
+        chosen = row.get("chosen", "neither")
+        lines[row["indirect_scene"]] = f"| {row['indirect_scene']} | {chosen} | {' | '.join(cells)} |"
+    head = [f"| scene | chosen | {' | '.join(COLUMNS.values())} |", "|---" * (len(COLUMNS) + 2) + "|"]
     body = [lines[name] for name in SCENES if name in lines]
     DOCUMENT.write_text("\n".join([before + BEGIN, *head, *body, END]) + after, encoding="utf-8")
 

@@ -60,7 +60,7 @@ def by_cycles(bounces: int, surfaces: bool = False, guiding: bool = False) -> Ri
 
 def by_paper(bounces: int, device: str) -> Rival:
     """Our engine with the paper's sampler of lamps: paths split and samples are allocated as with ours. The paper has
-    no light paths."""
+    neither light paths nor path reuse."""
 
     def render(samples: int, seed: int) -> pictures.Picture:
         scene = bpy.context.scene
@@ -68,7 +68,7 @@ def by_paper(bounces: int, device: str) -> Rival:
         settings = scene.sdf_lights
         settings.seed, settings.indirect_paths, settings.guided_samples = seed, 0, True
         settings.lamp_sampling = samplers.register(methods.PAPER, host.program().__name__).value
-        settings.lamp_paths = "NEVER"
+        settings.lamp_paths = settings.path_reuse = "NEVER"
         try:
             return pictures.render()
         finally:

@@ -28,6 +28,7 @@ PLAIN = dict(
     indirect_paths=1,
     guided_samples=False,
     lamp_paths="NEVER",
+    path_reuse="NEVER",
     filter_glossy=0.0,
 )
 
