@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The gain of light paths and path reuse: error × time without both, over that with the automatic choice, in rooms
-that lamps and lights light by way of walls and in scenes where they should not be used. And error × time of Cycles and of the paper's
-sampler over ours: see ``indirect_rivals``.
+"""The gain of light paths and path reuse: error × time without both, over that with the automatic choice, in rooms that
+lamps and lights light by way of walls and in scenes where they should not be used. And error × time of Cycles and of
+the paper's sampler over ours: see ``indirect_rivals``.
 
 As in ``allocation``, the error is the variance of renders with different seeds, and both variants take turns. The time
 is the processor time of a whole render, with all that is needed before the first sample.
@@ -46,9 +46,7 @@ SEEDS, QUICK_SEEDS = 8, 3
 RIVALS_SEEDS, QUICK_RIVALS_SEEDS = 8, 3
 DOCUMENT = host.REPOSITORY / "docs" / "sampling.md"
 BEGIN, END = "<!-- indirect -->", "<!-- end of indirect -->"
-COLUMNS = dict(
-    gain="without both", paper="the paper's sampler", cycles="Cycles", cycles_guided="Cycles, path guiding"
-)
+COLUMNS = dict(gain="without both", paper="the paper's sampler", cycles="Cycles", cycles_guided="Cycles, path guiding")
 # Values of ``scene.sdf_lights.lamp_paths`` and ``path_reuse``.
 WITHOUT, AUTOMATIC = "NEVER", "AUTOMATIC"
 
@@ -58,14 +56,10 @@ def arguments(parser) -> None:
     parser.add_argument(
         "--rooms", type=some_of(SCENES), metavar="SCENES", help=f"with commas between: {', '.join(SCENES)}"
     )
-    parser.add_argument(
-        "--no-rivals", dest="rivals", action="store_false", help="compare only with and without both"
-    )
+    parser.add_argument("--no-rivals", dest="rivals", action="store_false", help="compare only with and without both")
 
 
-def _render(
-    name: str, scene, variant: str, samples: int, seed: int, device: str, reuse: str = ""
-) -> pictures.Picture:
+def _render(name: str, scene, variant: str, samples: int, seed: int, device: str, reuse: str = "") -> pictures.Picture:
     if name in ORDINARY:
         beside_cycles.settings(scene, beside_cycles.GUIDED, samples, seed, device)
     else:

@@ -10,7 +10,7 @@ import pytest
 from sdf_lights.render import sample_allocation, session
 from sdf_lights.render.film import Film
 from sdf_lights.render.scene import Instance, Lamp, Scene
-from sdf_lights.render.settings import MOST_BRANCHES, START_BRANCHES
+from sdf_lights.render.settings import MOST_BRANCHES, START_BRANCHES, PathReuse
 from sdf_lights.sdf.shapes import Torus
 from support.scenes import camera, diffuse, material, quad, rotation, scaling, settings, sphere, translation
 
@@ -162,7 +162,7 @@ def test_branches_that_promise_little_are_left_out():
     surfaces."""
     films = []
     for branches in (1, 16):
-        scene = room(samples=8, indirect_paths=branches, guided_samples=False)
+        scene = room(samples=8, indirect_paths=branches, guided_samples=False, path_reuse=PathReuse.NEVER)
         scene.instances.append(Instance(1, scaling(20.0, 20.0, 20.0), (0,)))
         films.append(session.render(scene, ()))
     lit = [film.divided[:, 2].sum() / film.divided[:, 0].sum() for film in films]

@@ -19,6 +19,8 @@ the point scatters by the part of f_i that this kind has of the density.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from ...jit import kernel
@@ -59,8 +61,8 @@ from .path_splitting import add_spread, begin_sample, brightness, control_table,
 # A group has one pixel of each of SIDE × SIDE pairs of neighbours. So light that is brighter than expected becomes
 # scattered dots, not a square.
 SIDE = 8
-# Arrivals that are not diffuse are shaded for each point, which takes time. Where most are so, every eighth point shares
-# one. MOST_TIME: for an arrival on average, in surfaces that rays meet, up to which all points of the group do.
+# Arrivals that are not diffuse are shaded for each point, which takes time. Where most are so, every eighth point
+# shares one. MOST_TIME: for an arrival on average, in surfaces that rays meet, up to which all points of the group do.
 MOST_STEP, MOST_TIME = 8, 4.0
 BROAD = 2.0  # roughness of a surface without lobes: all directions are alike
 # Times, in surfaces that rays meet: of a point that looks at an arrival, and of shading that for the point.
@@ -337,7 +339,9 @@ def follow_branch(block, workspace, at, count):
         trace_path(block, workspace, False)
     samples[row].met = samples[0].met
     light, lamps = scale(vec(samples[0].combined), arrival.scale), scale(vec(samples[0].lamps), arrival.scale)
-    if largest(light) > 0.0:
+    if not brightness(samples[0]) < math.inf:
+        put_sum(samples[row].combined, light)  # this sample is left out, and those of others are not
+    elif largest(light) > 0.0:
         rest = (sub(light, direct), sub(lamps, direct_lamps))
         share_arrival(block, workspace, row - GROUP_SAMPLE, count, (direct, direct_lamps), rest, toward, onward)
 

@@ -4,9 +4,9 @@
 
 Two samples of a few pixels without light paths are compared with two samples with them. Path reuse needs neighbours, so
 whole rows of pixels tell what it does to the scatter of branches. All are compared by the product of error and time,
-each with the best number of branches for it: with connections, paths need fewer. Time is counted in surfaces that rays meet, as in ``sample_allocation.py``. It is never measured, so a
-seed gives one picture on all machines. The pilots have films of their own, so the picture without either is as if they
-had never been there.
+each with the best number of branches for it: with connections, paths need fewer. Time is counted in surfaces that rays
+meet, as in ``sample_allocation.py``. It is never measured, so a seed gives one picture on all machines. The pilots have
+films of their own, so the picture without either is as if they had never been there.
 """
 
 from __future__ import annotations

@@ -27,8 +27,8 @@ from .shading.records import (
 
 # A surface where a branch has arrived: a point of a triangle that a ray of this ``kind`` has met. ``even``: 1 if it
 # scatters the same light in all directions. ``scale`` is a factor of its light, by Russian roulette. With the
-# ``throughput`` (RGB) its light is a part of the branch's own sample. ``light_direction`` is that of the last light ray.
-# ``number`` counts the arrivals that were shared, and ``uneven`` those of them that were not ``even``.
+# ``throughput`` (RGB) its light is a part of the branch's own sample. ``light_direction`` is that of the last light
+# ray. ``number`` counts the arrivals that were shared, and ``uneven`` those of them that were not ``even``.
 ARRIVAL = np.dtype(
     [
         ("position", "f8", 3),

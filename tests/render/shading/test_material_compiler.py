@@ -9,6 +9,7 @@ from sdf_lights.graph.formula import CALL, order
 from sdf_lights.render.kernels.shading import material_compiler, material_records
 from sdf_lights.render.kernels.shading.records import (
     CLOSURES,
+    DEPENDS_ON_VIEW,
     HAS_EMISSION,
     HAS_SURFACE,
     HAS_TRANSPARENCY,
@@ -157,7 +158,7 @@ def test_holdout_counts_with_its_weight():
         (GRAPH.normal_map(COLOR), NEEDS_OBJECT_NORMAL),
         (GRAPH.normal_map(COLOR, space="OBJECT"), 0),
         (GRAPH.normal_map(COLOR, space="WORLD"), 0),
-        (GRAPH.bump(ALPHA), NEEDS_DERIVATIVES),
+        (GRAPH.bump(ALPHA), NEEDS_DERIVATIVES | DEPENDS_ON_VIEW),
         (GRAPH.bump(2.0), 0),
     ],
 )
