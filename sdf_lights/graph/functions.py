@@ -25,7 +25,7 @@ class Function:
     ``static`` are integers that choose a mode; they are compiled in. With ``scene``, the kernel's first two arguments
     are the scene's block and the thread's workspace: ``kernel(block, workspace, *static, *operands)``. With
     ``of_object``, it reads objects or the one that a ray has hit, so it cannot be called without an object, as in a
-    world.
+    world. ``traces``: it traces rays.
     """
 
     name: str
@@ -34,6 +34,7 @@ class Function:
     results: int = 1
     scene: bool = False
     of_object: bool = False
+    traces: bool = False
     tables = 0  # leading operands that are addresses
 
 

@@ -83,10 +83,14 @@ def first_pixels(film: Film, settings: Settings) -> np.ndarray | None:
     return None if settings.indirect_paths or settings.max_bounces == 0 else bands(film)
 
 
-def bands(film: Film) -> np.ndarray:
-    """(pixels,) 1 in rows that are spread over the film."""
+def bands(film: Film, most: float = math.inf) -> np.ndarray:
+    """(pixels,) 1 in rows that are spread over the film: in an eighth of it, or in fewer where that is more than
+    ``most`` pixels."""
+    every = BANDS
+    while film.width * film.height > most * every and every * PATCH < film.height:
+        every *= 2
     band = np.arange(film.height) // PATCH
-    return np.repeat(band % BANDS == min(BANDS // 2, band[-1]), film.width).astype(film.active.dtype)
+    return np.repeat(band % every == min(every // 2, band[-1]), film.width).astype(film.active.dtype)
 
 
 def divide(film: Film, settings: Settings) -> None:

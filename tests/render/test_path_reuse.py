@@ -22,7 +22,7 @@ from sdf_lights.render.nodes.variables import INCOMING, NORMAL
 from sdf_lights.render.scene import Ray
 from sdf_lights.render.settings import LampPaths, PathReuse
 from support.blocks import means
-from support.scenes import RED, add, material, rotation, scaling, torus_room, translation
+from support.scenes import RED, add, material, probed, rotation, scaling, torus_room, translation
 
 pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installed")
 
@@ -144,7 +144,7 @@ def hide(scene) -> None:
     ("path_reuse", "changes"),
     [
         (AUTOMATIC, dict(denoise=True)),
-        (AUTOMATIC, dict(samples=2)),
+        (AUTOMATIC, dict(samples=8)),
         (ALWAYS, dict(max_bounces=0)),
         (ALWAYS, dict(caustics_reflective=False)),
         (ALWAYS, dict(change=hide)),
@@ -154,6 +154,12 @@ def hide(scene) -> None:
 )
 def test_other_pictures_stay_as_they_are(path_reuse, changes):
     assert np.array_equal(picture(path_reuse, **changes), picture(WITHOUT, **changes))
+
+
+@pytest.mark.parametrize("lamp_paths", [LampPaths.NEVER, LampPaths.ALWAYS])
+def test_materials_that_trace_rays_do_not_share(lamp_paths):
+    """Shading them once more would need random numbers of its own."""
+    assert np.isfinite(picture(ALWAYS, build=probed, samples=2, lamp_paths=lamp_paths)).all()
 
 
 def test_a_clamp_takes_as_much():

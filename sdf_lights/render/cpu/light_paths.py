@@ -37,7 +37,14 @@ from ..kernels.shading.material_records import (
     LOBE_REFRACTION,
     LOBE_TRANSLUCENT,
 )
-from ..kernels.shading.records import GLOSSY, HAS_EMISSION, HAS_TRANSPARENCY, STOPS_LIGHT_RAYS, TRANSMISSION
+from ..kernels.shading.records import (
+    GLOSSY,
+    HAS_EMISSION,
+    HAS_TRANSPARENCY,
+    STOPS_LIGHT_RAYS,
+    TRACES_RAYS,
+    TRANSMISSION,
+)
 from ..kernels.shading.special_lobes import (
     LOBE_SHEEN,
     LOBE_SUBSURFACE,
@@ -92,7 +99,7 @@ def supports_light_paths(scene: Scene, packed: PackedScene) -> bool:
     - There are lamps or lights from which light paths start: see ``powers_of``. What others emit is left to
       paths, and so is what light paths cannot follow: see ``materials_of``.
     - A light path does not know yet what kind of ray it is seen by: see ``is_alike``. For the same reason no material
-      asks for the ray that meets it.
+      asks for the ray that meets it. None traces rays.
     - Strands are opaque. What is transparent is so to light rays, too.
     - No pass wants light by the lobe that scattered it first: a connection is of all lobes together.
     - No material has a BSDF that light paths do not know: see ``materials_of``.
@@ -111,7 +118,7 @@ def supports_light_paths(scene: Scene, packed: PackedScene) -> bool:
         and not block["outputs"] & LOBES
         and not (packed.table("lobes")["features"] & ONCE).any()
         and not (packed.table("materials")["flags"][_on_strands(scene)] & HAS_TRANSPARENCY).any()
-        and not (packed.table("materials")["flags"] & STOPS_LIGHT_RAYS).any()
+        and not (packed.table("materials")["flags"] & (STOPS_LIGHT_RAYS | TRACES_RAYS)).any()
         and not any(
             node.kind == VARIABLE and node.value[0] in BY_PATH
             for roots in packed.graphs.structures

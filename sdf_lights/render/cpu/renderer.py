@@ -27,6 +27,8 @@ from .path_splitting import render_tile
 from .pilot import (
     GAIN,
     LEAST_SAMPLES,
+    MOST_OF_ROWS,
+    PROMISE,
     REUSE_GAIN,
     Pilot,
     gain,
@@ -178,7 +180,7 @@ class CpuRenderer:
             reused, step = self._try_reuse(stop)
         if promise is None or reused is None:
             return False
-        if reused > max(REUSE_GAIN, promise**2):  # light paths bring about the square of what their pilot promises
+        if reused > max(REUSE_GAIN, (promise / PROMISE) ** 2):
             self._film.clear()
             self._reuse(step)
         elif promise > GAIN:
@@ -205,7 +207,7 @@ class CpuRenderer:
     def _try_reuse(self, stop: Callable[[], bool]) -> tuple[float | None, int]:
         """The gain that path reuse promises by samples of some rows of pixels, and its step; None if stopped before the
         end."""
-        settings, rows = self._settings, sample_allocation.bands(self._film)
+        settings, rows = self._settings, sample_allocation.bands(self._film, MOST_OF_ROWS)
         always = settings.path_reuse is PathReuse.ALWAYS
         if settings.samples < LEAST_SAMPLES and not always:
             return 0.0, 0

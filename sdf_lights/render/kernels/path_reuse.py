@@ -20,6 +20,7 @@ from .shading.records import (
     MICROFACET,
     NEEDS_RAY,
     SUBSURFACE,
+    TRACES_RAYS,
     VELVET,
     closure_table,
     surface_table,
@@ -104,7 +105,7 @@ def arrive(block, workspace):
     if instance_table(block)[surface.instance].primitive != TRIANGLES:
         return
     flags = shading_material_table(block)[surface.material].flags
-    if flags & NEEDS_RAY:
+    if flags & (NEEDS_RAY | TRACES_RAYS):
         return
     arrival, samples = arrival_table(workspace)[0], sample_table(workspace)
     arrival.even = int(flags & DEPENDS_ON_VIEW == 0)

@@ -12,11 +12,15 @@ from .geometry import ZERO
 from .normals import unit_or
 from .variables import NORMAL, POSITION, as_vector
 
-OCCLUSION = [Function("occlusion", probes.occlusion, (local,), 1, scene=True, of_object=True) for local in (0, 1)]
+OCCLUSION = [
+    Function("occlusion", probes.occlusion, (local,), 1, scene=True, of_object=True, traces=True) for local in (0, 1)
+]
 """(distance, samples, direction) → the open fraction; selected by whether only the object itself counts."""
-BEVEL = Function("bevel", probes.bevel, (), 3, scene=True, of_object=True)
+BEVEL = Function("bevel", probes.bevel, (), 3, scene=True, of_object=True, traces=True)
 """(radius, samples, normal) → mean normal."""
-RAYCAST = [Function("raycast", probes.raycast, (local,), 10, scene=True, of_object=True) for local in (0, 1)]
+RAYCAST = [
+    Function("raycast", probes.raycast, (local,), 10, scene=True, of_object=True, traces=True) for local in (0, 1)
+]
 """(origin, direction, length, point of the surface) → the results of ``probes.raycast``."""
 
 

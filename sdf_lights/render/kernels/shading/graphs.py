@@ -21,7 +21,15 @@ from ....graph.functions import Function
 from ....graph.numpy_evaluation import Inputs, evaluate_inputs
 from ....graph.substitution import rewritten
 from ....jit import CallablePart, layout
-from .records import DEPENDS_ON_VIEW, NEEDS_DERIVATIVES, NEEDS_OBJECT_NORMAL, NEEDS_RAY, NEEDS_SHADOW_POINT, VARIABLES
+from .records import (
+    DEPENDS_ON_VIEW,
+    NEEDS_DERIVATIVES,
+    NEEDS_OBJECT_NORMAL,
+    NEEDS_RAY,
+    NEEDS_SHADOW_POINT,
+    TRACES_RAYS,
+    VARIABLES,
+)
 
 _LITERAL = (0.0, 1.0)
 _TYPICAL_POINTS = 16
@@ -60,18 +68,14 @@ class _Typical(Inputs):
 def needs(roots: Sequence[Formula], shadow: bool) -> int:
     """Flags of the fields of a surface that the formulas read."""
     names = {node.value[0] for node in order(*roots) if node.kind == VARIABLE}
-    functions = {node.value.name for node in order(*roots) if isinstance(node.value, Function)}
     flags = NEEDS_DERIVATIVES if names & {"dpdu", "dpdv", "bump_step"} else 0
+    flags |= TRACES_RAYS if any(isinstance(node.value, Function) and node.value.traces for node in order(*roots)) else 0
     flags |= NEEDS_OBJECT_NORMAL if "object_normal" in names else 0
     flags |= DEPENDS_ON_VIEW if names & {"incoming", "bump_step"} else 0
     flags |= NEEDS_RAY if names & {"ray_length", "ray_singular", "depth"} else 0
-    if shadow and (names - {"barycentric", "incoming", "backfacing", "ray_kind"} or functions & READS_POINT):
+    if shadow and names - {"barycentric", "incoming", "backfacing", "ray_kind"}:
         flags |= NEEDS_SHADOW_POINT
     return flags
-
-
-READS_POINT: set[str] = set()
-"""Names of functions that read more of the surface than its triangle, through the workspace."""
 
 
 class Graphs:

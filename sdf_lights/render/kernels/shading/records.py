@@ -37,6 +37,7 @@ HAS_SUBSURFACE = 512  # light may scatter below the surface
 BENDS_EXITS = 1024  # the normal where such light leaves is that of the SUBSURFACE closures
 STOPS_LIGHT_RAYS = 2048  # transparent, but not to light rays
 UNCORRECTED = 4096  # no correction of bump maps
+TRACES_RAYS = 16384  # shading does: not for a second workspace, which has no random numbers for that
 DEPENDS_ON_VIEW = 8192  # closures that are diffuse may differ for other directions of view, and other distances
 
 SURFACE = np.dtype(
