@@ -9,7 +9,6 @@ from dataclasses import dataclass, field
 
 # Number of branches of a path: the maximum, and the number until the noise of pixels is known.
 MOST_BRANCHES, START_BRANCHES = 16, 4
-REUSE_GROUP = 64  # pixels whose paths share their branches
 LARGEST_BATCH = 32  # samples between two decisions
 
 

@@ -42,7 +42,7 @@ from ..kernels.subsurface import code_table as subsurface_code
 from ..kernels.workspace import WORKSPACE, WORKSPACE_TABLES
 from ..medium import some_varies
 from ..scene import Lamp, Scene, catchers_only, catches_shadows
-from ..settings import REUSE_GROUP, LampSampling
+from ..settings import LampSampling
 from ..strands import has_strands
 from .accelerator import accelerator_of
 
@@ -286,7 +286,7 @@ class Workspace:
             "spans": 2 * (packed.span_rows + len(packed.lamps)),
             "light_hits": packed.light_hits,
             **path.COUNTS,
-            **path_reuse.COUNTS,
+            **(path_reuse.COUNTS if secondary else {}),
             **shading.WORKSPACE_COUNTS,
             **cuts.WORKSPACE_COUNTS,
             **lights.WORKSPACE_COUNTS,
@@ -316,9 +316,9 @@ class Workspace:
 
 def _point_workspaces() -> tuple[np.ndarray, list[dict[str, np.ndarray]]]:
     """Workspaces for the points of path reuse, and the tables that they point to."""
-    blocks, kept = np.zeros(REUSE_GROUP, WORKSPACE), []
+    blocks, kept = np.zeros(path_reuse.GROUP, WORKSPACE), []
     counts = {name: shading.WORKSPACE_COUNTS[name] for name in ("surface", "closures")}
-    for row in range(REUSE_GROUP):
+    for row in range(path_reuse.GROUP):
         kept.append(new_tables({name: WORKSPACE_TABLES[name] for name in counts}, counts))
         for name, array in kept[-1].items():
             fill_table(blocks[row : row + 1], name, array)

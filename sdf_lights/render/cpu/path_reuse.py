@@ -32,10 +32,6 @@ from ..kernels.path import (
     ARRIVES,
     FIRST_BRANCH,
     FIRST_BRANCH_RAY,
-    GROUP_PATH,
-    GROUP_RAY,
-    GROUP_SAMPLE,
-    GROUP_START,
     ONWARD,
     REUSED,
     UNSHARED,
@@ -43,7 +39,17 @@ from ..kernels.path import (
     path_table,
     sample_table,
 )
-from ..kernels.path_reuse import arrival_table, is_reusable, point_table
+from ..kernels.path_reuse import (
+    GROUP,
+    GROUP_PATH,
+    GROUP_RAY,
+    GROUP_SAMPLE,
+    GROUP_START,
+    SIDE,
+    arrival_table,
+    is_reusable,
+    point_table,
+)
 from ..kernels.ray_origins import spawn_ray
 from ..kernels.rays import SHADOW_OPAQUE, occluded, ray_table
 from ..kernels.samplers import pixel_seed
@@ -53,14 +59,11 @@ from ..kernels.shading.records import GLOSSY, MICROFACET, SCATTERED, TRANSMISSIO
 from ..kernels.visibility import shadow_ray
 from ..kernels.workspace import cut_table, point_workspaces, secondary_table
 from ..scene import Scene
-from ..settings import REUSE_GROUP, PathReuse
+from ..settings import PathReuse
 from .block import PackedScene
 from .light_paths import is_alike
 from .path_splitting import add_spread, begin_sample, brightness, control_table, divide_path, follow_branches
 
-# A group has one pixel of each of SIDE × SIDE pairs of neighbours. So light that is brighter than expected becomes
-# scattered dots, not a square.
-SIDE = 8
 # Arrivals that are not diffuse are shaded for each point, which takes time. Where most are so, every eighth point
 # shares one. MOST_TIME: for an arrival on average, in surfaces that rays meet, up to which all points of the group do.
 MOST_STEP, MOST_TIME = 8, 4.0
@@ -95,7 +98,7 @@ def step_for(arrivals: np.ndarray) -> int:
     workspaces that have counted them."""
     part = arrivals["uneven"].sum() / max(arrivals["number"].sum(), 1)
     step = 1
-    while step < MOST_STEP and part * REUSE_GROUP * (LOOK_COST + SHADE_COST) / step > MOST_TIME:
+    while step < MOST_STEP and part * GROUP * (LOOK_COST + SHADE_COST) / step > MOST_TIME:
         step *= 2
     return step
 
@@ -378,14 +381,13 @@ def begin_pixel(block, workspace, x, y, pixel, index, count, stored):
 
 
 @kernel
-def finish_group(block, workspace, count):
-    """Share the branches of the points of a group, and add their samples to the film."""
+def finish_group(block, workspace, count, branches):
+    """Add the samples of the points of a group to the film. They had so many ``branches`` together."""
     samples, points = sample_table(workspace), point_table(workspace)
-    arrivals = points[0].arrivals
     for number in range(count):
         samples[0], point = samples[GROUP_SAMPLE + number], points[number]
         # The scatter of the group's arrivals, as if so many branches of the pixel itself had left that noise.
-        noise = max(point.squares - point.sum * point.sum / arrivals, 0.0) * arrivals / max(arrivals - 1.0, 1.0)
+        noise = max(point.squares - point.sum * point.sum / branches, 0.0) * branches / max(branches - 1.0, 1.0)
         samples[0].spread += (point.branches - 1.0) * point.branches * noise
         add_sample(block, workspace, point.pixel, point.index)
 
@@ -395,8 +397,8 @@ def render_group(block, workspace, tile, x0, y0, wide, group, number):
     """One more sample of each pixel of a group, as far as it is to have one by sample ``number`` of pixels of rate 1:
     False if none is. ``tile``: its corners, x0, y0, x1 and y1. The block of pixels at (x0, y0) is ``wide``, or else
     high, and has two groups."""
-    points, count, stored, arrivals, some = point_table(workspace), 0, 0, 0, False
-    for cell in range(REUSE_GROUP):
+    points, count, stored, branches, some = point_table(workspace), 0, 0, 0, False
+    for cell in range(GROUP):
         across, along = 2 * (cell % SIDE), cell // SIDE
         x, y = (x0 + across, y0 + along) if wide else (x0 + along, y0 + across)
         place = (group + cell_turn(x, y, number + block.sample_offset)) & 1
@@ -410,13 +412,11 @@ def render_group(block, workspace, tile, x0, y0, wide, group, number):
         some = True
         kept = begin_pixel(block, workspace, x, y, pixel, index, count, stored)
         if kept >= 0:
-            arrivals += points[count].branches
+            branches += points[count].branches
             count, stored = count + 1, kept
-    for point in range(count):
-        points[point].arrivals = arrivals
     for at in range(stored):
         follow_branch(block, workspace, at, count)
-    finish_group(block, workspace, count)
+    finish_group(block, workspace, count, branches)
     return some
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from ...jit import kernel, table
 from ...vec import ZERO, average, mul, put, put_sum, scale, sub, vec
 from ..scene import Ray
-from ..settings import MOST_BRANCHES, REUSE_GROUP
+from ..settings import MOST_BRANCHES
 from . import lights
 from .light_paths.records import source_table as light_path_sources
 from .outputs import dispatch as outputs
@@ -149,13 +149,7 @@ FIRST_BRANCH_RAY = 1
 KEPT_RAY = FIRST_BRANCH_RAY + MOST_BRANCHES
 # The path that has hit a shadow catcher, with its ray, and the sample while the path continues among catchers alone.
 CAUGHT, CAUGHT_RAY, KEPT_SAMPLE = FIRST_BRANCH + MOST_BRANCHES, KEPT_RAY + 1, 1
-# Of path reuse: the first path of a group, its branches, and the samples of its paths.
-GROUP_START, GROUP_PATH, GROUP_RAY, GROUP_SAMPLE = CAUGHT + 1, CAUGHT + 2, CAUGHT_RAY + 1, KEPT_SAMPLE + 1
-COUNTS = {
-    "path": GROUP_PATH + REUSE_GROUP * MOST_BRANCHES,
-    "sample": GROUP_SAMPLE + REUSE_GROUP,
-    "ray": GROUP_RAY + REUSE_GROUP * MOST_BRANCHES,
-}
+COUNTS = {"path": CAUGHT + 1, "sample": KEPT_SAMPLE + 1, "ray": CAUGHT_RAY + 1}
 
 path_table = table("path", PATH)
 sample_table = table("sample", SAMPLE)

@@ -11,8 +11,9 @@ import numpy as np
 
 from ...jit import kernel, table
 from ...vec import ZERO, largest, put, scale, vec
-from ..settings import REUSE_GROUP
+from ..settings import MOST_BRANCHES
 from .geometry import TRIANGLES, instance_table, shading_material_table
+from .path import COUNTS as PATH_COUNTS
 from .path import REUSED, UNSHARED, WHITE, path_table, sample_table
 from .shading.records import (
     DEPENDS_ON_VIEW,
@@ -25,6 +26,11 @@ from .shading.records import (
     closure_table,
     surface_table,
 )
+
+# A group has one pixel of each of SIDE × SIDE pairs of neighbours. So light that is brighter than expected becomes
+# scattered dots, not a square.
+SIDE = 8
+GROUP = SIDE * SIDE  # pixels whose paths share their branches
 
 # A surface where a branch has arrived: a point of a triangle that a ray of this ``kind`` has met. ``even``: 1 if it
 # scatters the same light in all directions. ``scale`` is a factor of its light, by Russian roulette. With the
@@ -49,7 +55,7 @@ ARRIVAL = np.dtype(
     align=True,
 )
 # A surface where a path of the group divides: its throughput (RGB), its number of branches, and what it has taken from
-# arrivals, of which the group has so many. From ``visible`` on: of the present arrival. ``value`` (RGB) is f |cos| G of
+# arrivals. From ``visible`` on: of the present arrival. ``value`` (RGB) is f |cos| G of
 # the point, and ``pdf`` and ``area_pdf`` are densities of the arrival by solid angle, and by area for its kind of ray.
 POINT = np.dtype(
     [
@@ -58,7 +64,6 @@ POINT = np.dtype(
         ("branches", "i8"),
         ("pixel", "i8"),
         ("index", "i8"),
-        ("arrivals", "f8"),
         ("sum", "f8"),
         ("squares", "f8"),
         ("visible", "i8"),
@@ -73,7 +78,16 @@ POINT = np.dtype(
 # ``reuse_step``: of so many points of a group, one shares an arrival that is not even.
 SCALARS = [("reuses_paths", np.int64), ("reuse_step", np.int64)]
 TABLES = {"reuse_arrival": ARRIVAL, "reuse_points": POINT}
-COUNTS = {"reuse_arrival": 1, "reuse_points": REUSE_GROUP}
+# The first path of a group, its branches with their rays, and the samples of its paths, in rows behind those of a path.
+GROUP_START, GROUP_PATH = PATH_COUNTS["path"], PATH_COUNTS["path"] + 1
+GROUP_RAY, GROUP_SAMPLE = PATH_COUNTS["ray"], PATH_COUNTS["sample"]
+COUNTS = {
+    "path": GROUP_PATH + GROUP * MOST_BRANCHES,
+    "sample": GROUP_SAMPLE + GROUP,
+    "ray": GROUP_RAY + GROUP * MOST_BRANCHES,
+    "reuse_arrival": 1,
+    "reuse_points": GROUP,
+}
 
 arrival_table = table("reuse_arrival", ARRIVAL)
 point_table = table("reuse_points", POINT)
