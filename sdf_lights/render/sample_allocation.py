@@ -96,7 +96,13 @@ def bands(film: Film, most: float = math.inf) -> np.ndarray:
 def divide(film: Film, settings: Settings) -> None:
     """Set ``film.branches`` by the first sample of some pixels. More than one, if later samples are to tell more."""
     if film.divided[:, 2].any():
-        film.branches[:] = max(_branches_by_one(film), PROBE_BRANCHES if settings.samples > 1 else 1)
+        begin_with(film, settings, _branches_by_one(film))
+
+
+def begin_with(film: Film, settings: Settings, branches: int) -> None:
+    """Let the first samples divide into so many branches, or more if later samples are to tell more."""
+    if not settings.indirect_paths:
+        film.branches[:] = max(branches, PROBE_BRANCHES if settings.samples > 1 else 1)
 
 
 def update(film: Film, settings: Settings) -> None:
@@ -144,22 +150,26 @@ def update(film: Film, settings: Settings) -> None:
         )
 
 
-def gain_by_branches(film: Film, settings: Settings, noise_factor: float, time_factor: float) -> float:
+def gain_by_branches(
+    film: Film, settings: Settings, noise_factor: float, time_factor: float
+) -> tuple[float, int]:
     """Error × time as the samples of the film, two or more of some pixels, let it expect, over that with branches of
-    so many times the noise (squared) and time. Pixels have the best number of branches for either."""
+    so many times the noise (squared) and time. Pixels have the best number of branches for either: also its mean for
+    the latter."""
     known = film.count >= FIRST_UPDATE
     noise = _noise(film, known) if known.any() else None
     if noise is None:
-        return 0.0
+        return 0.0, 1
     branches = (settings.indirect_paths,) if settings.indirect_paths else BRANCHES
 
-    def product(noise: _Noise) -> float:
+    def best(noise: _Noise) -> tuple[float, np.ndarray]:
         groups = _grouped(_levels(noise.first), _levels(noise.second), film.count, known)
         rate, count = _best(noise, groups, settings.samples, (1.0,), branches)
-        return _cost(noise, film.count, settings.samples, rate, count)
+        return _cost(noise, film.count, settings.samples, rate, count), count
 
-    other = replace(noise, second=noise.second * noise_factor, met=noise.met * time_factor)
-    return product(noise) / max(product(other), 1e-300)
+    product, _ = best(noise)
+    other, count = best(replace(noise, second=noise.second * noise_factor, met=noise.met * time_factor))
+    return product / max(other, 1e-300), round(count[known].mean())
 
 
 def samples_left(film: Film) -> int:

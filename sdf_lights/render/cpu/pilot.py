@@ -32,6 +32,7 @@ GAIN, LEAST_POTENTIAL = 0.7, 1.5
 # The same of path reuse, and the least number of samples of a render that tries it. Three or four samples of an eighth
 # of the pixels, or of so many pixels, tell: 3 % of the shortest render.
 REUSE_GAIN, LEAST_SAMPLES, MOST_OF_ROWS = 1.15, 16, 1 << 16
+ROWS_BRANCHES = 4  # at most, of each pixel of these rows
 # Light paths bring about the square of what their pilot promises over this: 1.1 and 1.7 where they bring 2.5, 1.1 to
 # 1.2 where they bring 2, 1.2 and 2 where they bring 8. What path reuse promises is what it brings.
 PROMISE = 0.85
@@ -114,8 +115,8 @@ def gain(without: Pilot, other: Pilot) -> float:
     return min(found)
 
 
-def reuse_gain(alone: Film, shared: Film, settings: Settings) -> float:
-    """Error × time without path reuse over that with it. The films have samples of the same rows of pixels, without
+def reuse_gain(alone: Film, shared: Film, settings: Settings) -> tuple[float, int]:
+    """Error × time without path reuse over that with it, and the mean of the best numbers of branches with it. The films have samples of the same rows of pixels, without
     and with it: what these tell of the noise and time of a branch goes for all pixels."""
     rows = shared.count > 0
     weights = np.where(rows, _weights(alone.squares[:, 2] / 2.0 + shared.squares[:, 2]), 0.0)
@@ -126,8 +127,8 @@ def reuse_gain(alone: Film, shared: Film, settings: Settings) -> float:
         return float(weights @ (film.squares[:, 3] / freedom)), film.divided[:, 2].sum() / film.divided[:, 0].sum()
 
     if not (rows.any() and shared.divided[:, 2].any() and alone.divided[:, 2].any()):
-        return 0.0
+        return 0.0, 1
     (noise, time), (noise_alone, time_alone) = branch(shared), branch(alone)
     if not noise_alone > 0.0:
-        return 0.0
+        return 0.0, 1
     return gain_by_branches(alone, settings, noise / noise_alone, time / time_alone)

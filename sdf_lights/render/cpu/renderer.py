@@ -18,7 +18,7 @@ from .. import sample_allocation
 from ..errors import RenderError
 from ..film import Film
 from ..scene import Scene
-from ..settings import PathReuse
+from ..settings import MOST_BRANCHES, PathReuse
 from . import background
 from .block import PackedScene, Workspace
 from .light_paths import LightPaths
@@ -30,6 +30,7 @@ from .pilot import (
     MOST_OF_ROWS,
     PROMISE,
     REUSE_GAIN,
+    ROWS_BRANCHES,
     Pilot,
     gain,
     is_affordable,
@@ -172,16 +173,17 @@ class CpuRenderer:
         """Use light paths or path reuse, as the settings say, or where it pays; never both, as connections leave little
         to share. The film then begins anew. Returns False if stopped before the end."""
         light_paths, self._light_paths = self._light_paths, None
-        promise, reused, step = 0.0, 0.0, 0
+        promise, reused, step, branches = 0.0, 0.0, 0, 1
         self._reuse(0)
         if light_paths is not None:
             promise = self._try_light_paths(light_paths, stop) if light_paths.automatic else np.inf
         if self._may_reuse and promise is not None and promise < np.inf:
-            reused, step = self._try_reuse(stop)
+            reused, step, branches = self._try_reuse(stop)
         if promise is None or reused is None:
             return False
         if reused > max(REUSE_GAIN, (promise / PROMISE) ** 2):
             self._film.clear()
+            sample_allocation.begin_with(self._film, self._settings, branches)
             self._reuse(step)
         elif promise > GAIN:
             if promise < np.inf:
@@ -204,38 +206,44 @@ class CpuRenderer:
         connected = self._trial(pixels, PILOT_SAMPLES, stop, light_paths)
         return None if connected is None else gain(without, Pilot.of(connected, pixels))
 
-    def _try_reuse(self, stop: Callable[[], bool]) -> tuple[float | None, int]:
-        """The gain that path reuse promises by samples of some rows of pixels, and its step; None if stopped before the
-        end."""
+    def _try_reuse(self, stop: Callable[[], bool]) -> tuple[float | None, int, int]:
+        """The gain that path reuse promises by samples of some rows of pixels, its step, and the number of branches to
+        begin with; None for the gain if stopped before the end."""
         settings, rows = self._settings, sample_allocation.bands(self._film, MOST_OF_ROWS)
         always = settings.path_reuse is PathReuse.ALWAYS
         if settings.samples < LEAST_SAMPLES and not always:
-            return 0.0, 0
+            return 0.0, 0, 1
         step, shared = 0, None
         for workspace in self._workspaces:
             workspace.arrivals()[:] = 0
         while step != (found := step_for(self._arrivals()) if step else MOST_STEP):
             step = found
             self._reuse(step)
-            shared = self._trial(rows, 1, stop)
+            shared = self._trial(rows, 1, stop, most_branches=ROWS_BRANCHES)
             self._reuse(0)
             if shared is None:
-                return None, 0
-        if always:
-            return np.inf, step
-        alone = self._trial(rows, PILOT_SAMPLES, stop)
-        return (None if alone is None else reuse_gain(alone, shared, settings)), step
+                return None, 0, 1
+        alone = self._trial(rows, PILOT_SAMPLES, stop, most_branches=ROWS_BRANCHES)
+        if alone is None:
+            return None, 0, 1
+        gain, branches = reuse_gain(alone, shared, settings)
+        return np.inf if always else gain, step, branches
 
     def _arrivals(self) -> np.ndarray:
         return np.concatenate([workspace.arrivals() for workspace in self._workspaces])
 
     def _trial(
-        self, pixels: np.ndarray, samples: int, stop: Callable[[], bool], light_paths: LightPaths | None = None
+        self,
+        pixels: np.ndarray,
+        samples: int,
+        stop: Callable[[], bool],
+        light_paths: LightPaths | None = None,
+        most_branches: int = MOST_BRANCHES,
     ) -> Film | None:
         """A film of its own, with samples of some pixels, with ``light_paths`` or without; None if stopped before the
         end."""
         trial = Film(self._scene, self._film.passes)
-        trial.branches[:], trial.active[:] = self._film.branches, pixels
+        trial.branches[:], trial.active[:] = np.minimum(self._film.branches, most_branches), pixels
         self._packed.set_film(self._scene, trial)
         done = True
         for sample in range(samples):
