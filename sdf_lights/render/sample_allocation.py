@@ -150,9 +150,7 @@ def update(film: Film, settings: Settings) -> None:
         )
 
 
-def gain_by_branches(
-    film: Film, settings: Settings, noise_factor: float, time_factor: float
-) -> tuple[float, int]:
+def gain_by_branches(film: Film, settings: Settings, noise_factor: float, time_factor: float) -> tuple[float, int]:
     """Error × time as the samples of the film, two or more of some pixels, let it expect, over that with branches of
     so many times the noise (squared) and time. Pixels have the best number of branches for either: also its mean for
     the latter."""

@@ -15,7 +15,7 @@ from sdf_lights.render import session
 from sdf_lights.render.cpu import path_reuse
 from sdf_lights.render.cpu.renderer import CpuRenderer
 from sdf_lights.render.film import Film
-from sdf_lights.render.kernels.path_reuse import ARRIVAL
+from sdf_lights.render.kernels.path_reuse.records import ARRIVAL
 from sdf_lights.render.lights.area import AreaLight
 from sdf_lights.render.material import Material, Node
 from sdf_lights.render.nodes.variables import INCOMING, NORMAL

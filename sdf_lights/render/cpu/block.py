@@ -12,7 +12,7 @@ from ...emitter.sampling import external
 from ...jit import fill_table, new_tables
 from ..errors import RenderError
 from ..film import Film
-from ..kernels import camera, geometry, lamp_tree, lights, motion, path, path_reuse, shading
+from ..kernels import camera, geometry, lamp_tree, lights, motion, path, shading
 from ..kernels import film as film_kernels
 from ..kernels.light_paths import code_table as light_path_code
 from ..kernels.light_paths import records as light_path_records
@@ -35,6 +35,8 @@ from ..kernels.packing import (
     pack_elsewhere,
     wide_boxes,
 )
+from ..kernels.path_reuse import code_table as path_reuse_code
+from ..kernels.path_reuse import records as path_reuse_records
 from ..kernels.shading import special
 from ..kernels.shading.records import HAS_SUBSURFACE, HAS_TRANSPARENCY
 from ..kernels.strands import code_table as strand_code
@@ -86,6 +88,7 @@ class PackedScene:
             {"has_subsurface": bool(deep.any())},
         )
         self.set_light_paths({}, {})
+        self.set_path_reuse(0)
         self._segments: list[motion.Moving] = []
         self.update_lights(scene)
         self.update_camera(scene, film)
@@ -143,7 +146,8 @@ class PackedScene:
     def set_path_reuse(self, step: int) -> None:
         """Let the paths of neighbouring pixels share their branches; 0: not. Of so many paths, one shares an arrival
         that is not diffuse."""
-        self.block["reuses_paths"], self.block["reuse_step"] = step > 0, step
+        code = {"path_reuse_code": path_reuse_code.addresses(step > 0, (BLOCK, WORKSPACE))}
+        self._fill(code, {"reuses_paths": step > 0, "reuse_step": step})
 
     def set_light_paths(self, tables: dict[str, np.ndarray], scalars: dict[str, float]) -> None:
         """Connect paths with the vertices of light paths in these tables of ``light_paths.records``; with nothing
@@ -286,7 +290,7 @@ class Workspace:
             "spans": 2 * (packed.span_rows + len(packed.lamps)),
             "light_hits": packed.light_hits,
             **path.COUNTS,
-            **(path_reuse.COUNTS if secondary else {}),
+            **(path_reuse_records.COUNTS if secondary else {}),
             **shading.WORKSPACE_COUNTS,
             **cuts.WORKSPACE_COUNTS,
             **lights.WORKSPACE_COUNTS,
@@ -306,7 +310,7 @@ class Workspace:
             fill_table(self.block, "points", self._points)
 
     def arrivals(self) -> np.ndarray:
-        """(1,) ``path_reuse.ARRIVAL`` of this thread, which counts arrivals."""
+        """(1,) ``ARRIVAL`` of this thread, which counts arrivals."""
         return self._tables["reuse_arrival"]
 
     def lamp_lengths(self) -> np.ndarray:
@@ -315,10 +319,10 @@ class Workspace:
 
 
 def _point_workspaces() -> tuple[np.ndarray, list[dict[str, np.ndarray]]]:
-    """Workspaces for the points of path reuse, and the tables that they point to."""
-    blocks, kept = np.zeros(path_reuse.GROUP, WORKSPACE), []
+    """Workspaces for the points of path reuse and for the arrival as they see it, and the tables that they point to."""
+    blocks, kept = np.zeros(2 * path_reuse_records.GROUP, WORKSPACE), []
     counts = {name: shading.WORKSPACE_COUNTS[name] for name in ("surface", "closures")}
-    for row in range(path_reuse.GROUP):
+    for row in range(len(blocks)):
         kept.append(new_tables({name: WORKSPACE_TABLES[name] for name in counts}, counts))
         for name, array in kept[-1].items():
             fill_table(blocks[row : row + 1], name, array)

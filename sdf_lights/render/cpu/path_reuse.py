@@ -9,9 +9,8 @@ estimated once, and every point that sees y takes of it
     T_i f_i |cos| G L(y → x_i) / Σ_k b_k p_k(y),     G = cos_y / d².
 
 T_i is the throughput of the path to x_i, b_k the number of branches of the point k, and p_k(y) the density by area with
-which its BSDF draws y. The sum has the points that see y (balance heuristic). L depends on the direction where y is not
-diffuse: light that y receives from ω counts by f_y(ω → x_i) / f_y(ω → x_m). That is noisy where the lobe of y is
-sharp, so there only points share an arrival whose directions are closer than the lobe is wide.
+which its BSDF draws y. The sum has the points that see y (balance heuristic). Where y is not diffuse, L depends on the
+direction: see ``kernels.path_reuse.arrivals``.
 
 Diffuse and glossy rays have limits of bounces of their own, so p_k(y) is the density of rays of the arrival's kind, and
 the point scatters by the part of f_i that this kind has of the density.
@@ -24,22 +23,25 @@ import math
 import numpy as np
 
 from ...jit import kernel
-from ...vec import ZERO, add, dot, largest, length, mul, negate, put, put_sum, scale, sub, vec
+from ...vec import ZERO, add, largest, mul, put, put_sum, scale, sub, vec
 from ..kernels.film import add_sample, branches_before, branches_of, is_active, pixel_index, samples_due, samples_had
-from ..kernels.geometry import surface_at
-from ..kernels.integrator import GOES_ON, shade_and_scatter, trace_path
+from ..kernels.integrator import DIVIDES, GOES_ON, scatter, shade_and_scatter, trace_path
+from ..kernels.next_event import sample_direct_light
 from ..kernels.path import (
     ARRIVES,
     FIRST_BRANCH,
     FIRST_BRANCH_RAY,
+    MIXTURE_SETS,
     ONWARD,
-    REUSED,
     UNSHARED,
+    VERTEX_SETS,
+    WAITING,
     clear_sample,
     path_table,
     sample_table,
 )
-from ..kernels.path_reuse import (
+from ..kernels.path_reuse.arrivals import LOOK_COST, SHADE_COST, copy_surface, is_reusable, look_from_all
+from ..kernels.path_reuse.records import (
     GROUP,
     GROUP_PATH,
     GROUP_RAY,
@@ -47,17 +49,12 @@ from ..kernels.path_reuse import (
     GROUP_START,
     SIDE,
     arrival_table,
-    is_reusable,
     point_table,
 )
-from ..kernels.ray_origins import spawn_ray
-from ..kernels.rays import SHADOW_OPAQUE, occluded, ray_table
-from ..kernels.samplers import pixel_seed
-from ..kernels.shading import evaluate, shade
-from ..kernels.shading.caustics import blur_lobes
-from ..kernels.shading.records import GLOSSY, MICROFACET, SCATTERED, TRANSMISSION, closure_table, surface_table
-from ..kernels.visibility import shadow_ray
-from ..kernels.workspace import cut_table, point_workspaces, secondary_table
+from ..kernels.rays import ray_table
+from ..kernels.samplers import get_1d, pixel_seed
+from ..kernels.shading.records import TRANSMISSION
+from ..kernels.workspace import cut_table, point_workspaces
 from ..scene import Scene
 from ..settings import PathReuse
 from .block import PackedScene
@@ -67,9 +64,8 @@ from .path_splitting import add_spread, begin_sample, brightness, control_table,
 # Arrivals that are not diffuse are shaded for each point, which takes time. Where most are so, every eighth point
 # shares one. MOST_TIME: for an arrival on average, in surfaces that rays meet, up to which all points of the group do.
 MOST_STEP, MOST_TIME = 8, 4.0
-BROAD = 2.0  # roughness of a surface without lobes: all directions are alike
-# Times, in surfaces that rays meet: of a point that looks at an arrival, and of shading that for the point.
-LOOK_COST, SHADE_COST = 0.12, 0.38
+# Ways in which the path goes on from such a surface, with light rays of their own: they take less time than all points.
+WAYS = 2
 
 
 def supports_path_reuse(scene: Scene, packed: PackedScene) -> bool:
@@ -106,15 +102,12 @@ def step_for(arrivals: np.ndarray) -> int:
 @kernel
 def keep_point(workspace, number, pixel, index, branches):
     """Keep the surface of the workspace, where its path divides, as a point of the group."""
-    surface, closures, path = surface_table(workspace)[0], closure_table(workspace), path_table(workspace)[0]
-    own, point = point_workspaces(workspace)[number], point_table(workspace)[number]
-    surface_table(own)[0] = surface
-    for i in range(surface.closure_count):
-        closure_table(own)[i] = closures[i]
+    path, point = path_table(workspace)[0], point_table(workspace)[number]
+    copy_surface(workspace, point_workspaces(workspace)[number])
     put(point.throughput, vec(path.throughput))
     point.least_pdf = path.least_pdf
     point.branches, point.pixel, point.index = branches, pixel, index
-    point.sum = point.squares = 0.0
+    point.sum = point.squares = point.brought = 0.0
 
 
 @kernel
@@ -140,91 +133,6 @@ def keep_branches(workspace, number, branches, stored):
             rays[GROUP_RAY + stored] = rays[FIRST_BRANCH_RAY + branch]
             stored += 1
     return stored
-
-
-@kernel
-def look_at_arrival(block, workspace, number):
-    """Let a point of the group look at the arrival, and note what it would scatter of its light."""
-    arrival, point = arrival_table(workspace)[0], point_table(workspace)[number]
-    own = point_workspaces(workspace)[number]
-    surface = surface_table(own)[0]
-    x = vec(surface.position)
-    way = sub(vec(arrival.position), x)
-    distance = length(way)
-    if distance <= 0.0:
-        return
-    wi = scale(way, 1.0 / distance)
-    cosine = -dot(vec(arrival.normal), wi)
-    if cosine <= 0.0 or dot(vec(surface.ng), wi) <= 0.0:
-        return
-    value, pdf, glossy_pdf = evaluate(block, own, wi, SCATTERED)
-    of_kind = glossy_pdf if arrival.kind == GLOSSY else pdf - glossy_pdf
-    if not of_kind > 0.0:
-        return
-    start = spawn_ray(workspace, surface, wi)
-    direction, t_max = shadow_ray(x, start, wi, distance)
-    if occluded(block, workspace, start, direction, 0.0, t_max, SHADOW_OPAQUE):
-        return
-    geometry = cosine / (distance * distance)
-    put(point.direction, wi)
-    put(point.value, scale(value, of_kind / pdf * geometry))
-    point.pdf, point.area_pdf, point.visible = pdf, of_kind * geometry, 1
-
-
-@kernel
-def are_alike(a, b, roughness):
-    """Whether two directions from a surface are closer than its lobe is wide."""
-    way = sub(a, b)
-    return roughness >= BROAD or dot(way, way) <= roughness * roughness
-
-
-@kernel
-def shade_arrival(block, workspace, number):
-    """Shade the arrival in the second workspace as the point sees it: the roughness of its sharpest lobe."""
-    arrival, point = arrival_table(workspace)[0], point_table(workspace)[number]
-    secondary = secondary_table(workspace)[0]
-    surface, closures = surface_table(secondary)[0], closure_table(secondary)
-    x = vec(surface_table(point_workspaces(workspace)[number])[0].position)
-    footprint = length(sub(vec(arrival.position), x)) * block.camera_pixel_angle + block.camera_pixel_width
-    surface_at(
-        block,
-        surface,
-        arrival.instance,
-        arrival.primitive,
-        arrival.u,
-        arrival.v,
-        negate(vec(point.direction)),
-        arrival.kind,
-        footprint,
-    )
-    shade(block, secondary)
-    blur_lobes(block, secondary, min(point.least_pdf, point.pdf))
-    roughness = BROAD
-    for i in range(surface.closure_count):
-        if closures[i].kind == MICROFACET:
-            roughness = min(roughness, closures[i].alpha)
-    return roughness
-
-
-@kernel
-def density_of_group(workspace, number, count, roughness):
-    """Σ b_k p_k(y) over the points that share the arrival with this one."""
-    points, total = point_table(workspace), 0.0
-    direction = vec(points[number].direction)
-    for k in range(count):
-        if points[k].visible and (k == number or are_alike(direction, vec(points[k].direction), roughness)):
-            total += points[k].branches * points[k].area_pdf
-    return total
-
-
-@kernel
-def spread_of_group(workspace, source, count):
-    """The greatest distance between the directions of the point ``source`` and of another that sees the arrival."""
-    points, greatest = point_table(workspace), 0.0
-    for k in range(count):
-        if points[k].visible:
-            greatest = max(greatest, length(sub(vec(points[k].direction), vec(points[source].direction))))
-    return greatest
 
 
 @kernel
@@ -255,98 +163,124 @@ def add_to_point(block, workspace, number, factor, direct, rest, alone):
     value = add(mul(one, direct[0]), mul(other, rest[0]))
     put_sum(sample.combined, value)
     put_sum(sample.lamps, add(mul(one, direct[1]), mul(other, rest[1])))
-    brought = value[0] + value[1] + value[2]
-    point.sum += brought
-    point.squares += brought * brought
+    point.brought += value[0] + value[1] + value[2]
 
 
 @kernel
-def relative_to(block, workspace, wi, whole):
-    """f |cos| (RGB) of the arrival in the second workspace for light from wi, over ``whole`` (RGB)."""
-    value, _, _ = evaluate(block, secondary_table(workspace)[0], wi, SCATTERED)
-    return quotient(value, whole)
+def note_brought(workspace, number):
+    """Note what an arrival has brought a point."""
+    point = point_table(workspace)[number]
+    point.sum += point.brought
+    point.squares += point.brought * point.brought
+    point.brought = 0.0
 
 
 @kernel
-def share_arrival(block, workspace, source, count, direct, rest, toward, onward):
-    """Give the light of the arrival from a branch of the point ``source`` to all points that see it: ``direct``, by a
-    light ray ``toward`` there, and the ``rest``, from ``onward``. Each is RGB, and RGB of lamps."""
-    points, arrival, secondary = point_table(workspace), arrival_table(workspace)[0], secondary_table(workspace)[0]
-    sample = sample_table(workspace)[GROUP_SAMPLE + source]
-    step = 1 if arrival.even else int(block.reuse_step)
-    sample.met += (LOOK_COST if arrival.even else LOOK_COST + SHADE_COST) * count / step
-    arrival.number += 1
-    arrival.uneven += 1 - arrival.even
-    for number in range(count):
-        points[number].visible = 0
-        if number % step == source % step:
-            look_at_arrival(block, workspace, number)
-    if not points[source].visible:  # within rounding, at an edge: what no other point may count on
-        add_to_point(block, workspace, source, vec(arrival.throughput), direct, rest, float(points[source].branches))
-        return
-    whole = density_of_group(workspace, source, count, BROAD)
-    if arrival.even:
-        for number in range(count):
-            point = points[number]
-            if point.visible:
-                factor = scale(mul(vec(point.throughput), vec(point.value)), 1.0 / whole)
-                add_to_point(block, workspace, number, factor, direct, rest, whole / point.area_pdf)
-        return
-    spread = spread_of_group(workspace, source, count)
-    shade_arrival(block, workspace, source)
-    by_light, _, _ = evaluate(block, secondary, toward, SCATTERED)
-    by_path, _, _ = evaluate(block, secondary, onward, SCATTERED)
-    for number in range(count):
+def share_light(block, workspace, direct, rest, ways):
+    """Give light of the arrival to all points that see it: ``direct``, by a light ray there, and the ``rest``, by the
+    path that has gone on in one of so many ``ways``. Each is RGB, and RGB of lamps."""
+    points, arrival = point_table(workspace), arrival_table(workspace)[0]
+    by_light, onward = vec(arrival.by_light), vec(arrival.onward)
+    for number in range(arrival.points):
         point = points[number]
         if not point.visible:
             continue
-        roughness = shade_arrival(block, workspace, number)
-        if number != source and not are_alike(vec(point.direction), vec(points[source].direction), roughness):
+        factor = scale(mul(vec(point.throughput), vec(point.value)), 1.0 / arrival.density)
+        alone = ways * arrival.density / point.area_pdf
+        if arrival.even:
+            add_to_point(block, workspace, number, factor, direct, rest, alone)
             continue
-        # Where all directions are alike, no pair needs to be looked at.
-        total = whole if 2.0 * spread <= roughness else density_of_group(workspace, number, count, roughness)
-        factor = scale(mul(vec(point.throughput), vec(point.value)), 1.0 / total)
-        by_ray = relative_to(block, workspace, toward, by_light) if largest(direct[0]) > 0.0 else ZERO
-        by_onward = relative_to(block, workspace, onward, by_path) if largest(rest[0]) > 0.0 else ZERO
-        first, second = (
-            (mul(direct[0], by_ray), mul(direct[1], by_ray)),
-            (mul(rest[0], by_onward), mul(rest[1], by_onward)),
+        first, second = quotient(vec(point.by_light), by_light), quotient(vec(point.onward), onward)
+        add_to_point(
+            block,
+            workspace,
+            number,
+            factor,
+            (mul(direct[0], first), mul(direct[1], first)),
+            (mul(rest[0], second), mul(rest[1], second)),
+            alone,
         )
-        add_to_point(block, workspace, number, factor, first, second, total / point.area_pdf)
 
 
 @kernel
-def follow_branch(block, workspace, at, count):
-    """Follow the stored branch number ``at``, and share what it brings among the ``count`` points of the group."""
+def choose_lobes(workspace, u):
+    """Let the surface of the workspace be the arrival as one of the points sees it, chosen by ``u`` in proportion to
+    their parts in its density."""
+    points, chosen = point_table(workspace), -1
+    for number in range(arrival_table(workspace)[0].points):
+        if points[number].visible and (chosen < 0 or u >= 0.0):
+            chosen = number
+            u -= points[number].part
+    copy_surface(point_workspaces(workspace)[GROUP + chosen], workspace)
+
+
+@kernel
+def follow_way(block, workspace):
+    """Light of the arrival, by a light ray and by the path that goes on from there: ``direct`` and ``rest`` of
+    ``share_light``."""
+    path, sample, arrival = path_table(workspace)[0], sample_table(workspace)[0], arrival_table(workspace)[0]
+    put(sample.combined, ZERO)
+    put(sample.lamps, ZERO)
+    sample_direct_light(block, workspace)
+    direct, direct_lamps = vec(sample.combined), vec(sample.lamps)
+    if scatter(block, workspace):
+        path.dimension += VERTEX_SETS
+        path.reused = ONWARD
+        trace_path(block, workspace, False)
+    rest, rest_lamps = sub(vec(sample.combined), direct), sub(vec(sample.lamps), direct_lamps)
+    factor = arrival.scale
+    return (scale(direct, factor), scale(direct_lamps, factor)), (scale(rest, factor), scale(rest_lamps, factor))
+
+
+@kernel
+def share_arrival(block, workspace, source):
+    """Share the light of the arrival from a branch of the point ``source``."""
     paths, samples, arrival = path_table(workspace), sample_table(workspace), arrival_table(workspace)[0]
+    point, own = point_table(workspace)[source], samples[GROUP_SAMPLE + source]
+    paths[WAITING] = paths[0]
+    ways, looked = 1 if arrival.even else WAYS, not arrival.even
+    turn = 0.0 if arrival.even else get_1d(paths[0].index, paths[0].seed, paths[0].dimension + MIXTURE_SETS)
+    arrival.number += 1
+    arrival.uneven += 1 - arrival.even
+    for way in range(ways):
+        paths[0] = paths[WAITING]
+        paths[0].index, paths[0].branch_weight = paths[WAITING].index * ways + way, 1.0 / ways
+        if not arrival.even:
+            choose_lobes(workspace, (way + turn) / ways)
+        direct, rest = follow_way(block, workspace)
+        light = add(direct[0], rest[0])
+        if not light[0] + light[1] + light[2] < math.inf:
+            put_sum(own.combined, light)  # this sample is left out, and those of others are not
+        elif largest(light) > 0.0:
+            if not looked and not look_from_all(block, workspace, source, 1):
+                add_to_point(block, workspace, source, vec(arrival.throughput), direct, rest, float(point.branches))
+                break
+            looked = True
+            share_light(block, workspace, direct, rest, float(ways))
+    for number in range(arrival.points):
+        note_brought(workspace, number)
+
+
+@kernel
+def follow_branch(block, workspace, at):
+    """Follow the stored branch number ``at``, and share what it brings among the points of the group."""
+    paths, samples = path_table(workspace), sample_table(workspace)
     path, row = paths[0], paths[GROUP_PATH + at].row
     samples[0], paths[0] = samples[row], paths[GROUP_PATH + at]
     ray_table(workspace)[0] = ray_table(workspace)[GROUP_RAY + at]
     cut_table(workspace)[0].lamp = cut_table(workspace)[1].lamp = -1  # those are of other points
     path.reused = UNSHARED if path.pdf <= 0.0 or path.kind == TRANSMISSION else ARRIVES
     before = brightness(samples[0])
-    goes_on = shade_and_scatter(block, workspace, False) == GOES_ON
-    if path.reused != REUSED:
-        if goes_on:
-            trace_path(block, workspace, False)
-        point, brought = point_table(workspace)[row - GROUP_SAMPLE], brightness(samples[0]) - before
-        point.sum += brought
-        point.squares += brought * brought
-        samples[row] = samples[0]
+    state = shade_and_scatter(block, workspace, False)
+    if state == DIVIDES:
+        share_arrival(block, workspace, row - GROUP_SAMPLE)
+        samples[row].met = samples[0].met
         return
-    direct = scale(vec(samples[0].combined), arrival.scale)
-    direct_lamps = scale(vec(samples[0].lamps), arrival.scale)
-    toward, onward = vec(arrival.light_direction), vec(path.direction)
-    if goes_on:
-        path.reused = ONWARD
+    if state == GOES_ON:
         trace_path(block, workspace, False)
-    samples[row].met = samples[0].met
-    light, lamps = scale(vec(samples[0].combined), arrival.scale), scale(vec(samples[0].lamps), arrival.scale)
-    if not brightness(samples[0]) < math.inf:
-        put_sum(samples[row].combined, light)  # this sample is left out, and those of others are not
-    elif largest(light) > 0.0:
-        rest = (sub(light, direct), sub(lamps, direct_lamps))
-        share_arrival(block, workspace, row - GROUP_SAMPLE, count, (direct, direct_lamps), rest, toward, onward)
+    point_table(workspace)[row - GROUP_SAMPLE].brought = brightness(samples[0]) - before
+    note_brought(workspace, row - GROUP_SAMPLE)
+    samples[row] = samples[0]
 
 
 @kernel
@@ -414,8 +348,9 @@ def render_group(block, workspace, tile, x0, y0, wide, group, number):
         if kept >= 0:
             branches += points[count].branches
             count, stored = count + 1, kept
+    arrival_table(workspace)[0].points = count
     for at in range(stored):
-        follow_branch(block, workspace, at, count)
+        follow_branch(block, workspace, at)
     finish_group(block, workspace, count, branches)
     return some
 

@@ -116,8 +116,9 @@ def gain(without: Pilot, other: Pilot) -> float:
 
 
 def reuse_gain(alone: Film, shared: Film, settings: Settings) -> tuple[float, int]:
-    """Error × time without path reuse over that with it, and the mean of the best numbers of branches with it. The films have samples of the same rows of pixels, without
-    and with it: what these tell of the noise and time of a branch goes for all pixels."""
+    """Error × time without path reuse over that with it, and the mean of the best numbers of branches with it. The
+    films have samples of the same rows of pixels, without and with it: what these tell of the noise and time of a
+    branch goes for all pixels."""
     rows = shared.count > 0
     weights = np.where(rows, _weights(alone.squares[:, 2] / 2.0 + shared.squares[:, 2]), 0.0)
 

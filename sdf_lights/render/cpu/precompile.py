@@ -30,6 +30,7 @@ from ..kernels.light_paths import distant, places, trace, tree
 from ..kernels.media import code_table as media_code
 from ..kernels.outputs import code_table as output_code
 from ..kernels.packing import BLOCK
+from ..kernels.path_reuse import code_table as path_reuse_code
 from ..kernels.shading import special
 from ..kernels.shading.graphs import compile_calls
 from ..kernels.strands import code_table as strand_code
@@ -91,8 +92,9 @@ def _paths() -> tuple[list, Callable[[], None]]:
     def run() -> None:
         scene = _scene(lamps=False)
         CpuRenderer(scene, Film(scene, ()), lambda: False, lambda text: None)
+        path_reuse_code.addresses(True, (BLOCK, WORKSPACE))
 
-    return [render_tile, render_tile_reusing], run
+    return [render_tile, render_tile_reusing, *(kernel for kernel, _ in path_reuse_code.KERNELS.values())], run
 
 
 def _light_paths() -> tuple[list, Callable[[], None]]:

@@ -14,7 +14,7 @@ import numpy as np
 
 from ...jit import kernel
 from ...vec import absolute, average, dot, largest, mul, negate, put, put_sum, scale, sub, vec
-from . import lights, path_reuse
+from . import lights
 from .camera import camera_ray, filter_offset, view_depth
 from .gather import gather_lamps, gather_lights, gather_surface, gather_world, last_lamp_exit
 from .geometry import find_surface, instance_table, shading_material_table, surface_table
@@ -34,7 +34,9 @@ from .path import (
     CAMERA,
     CAMERA_SETS,
     IN_MEDIUM,
+    MIXED,
     NOWHERE,
+    REUSED,
     ROULETTE_SET,
     SCATTER_SET,
     VERTEX_SETS,
@@ -44,6 +46,7 @@ from .path import (
     sample_table,
     subtract_alpha,
 )
+from .path_reuse import dispatch as path_reuse
 from .ray_continuation import continue_past_surface
 from .ray_origins import clear_self_primitive, offset_ray_origin, spawn_ray
 from .rays import intersect, ray_table, start_anew
@@ -57,6 +60,7 @@ from .shading.records import (
     GLOSSY,
     INTO_SUBSURFACE,
     NEEDS_RAY,
+    SCATTERED,
     SINGULAR,
     STOPS_LIGHT_RAYS,
     THROUGH_PORTAL,
@@ -170,6 +174,8 @@ def scatter(block, workspace):
     surface = surface_table(workspace)[0]
     u = get_3d(path.index, path.seed, path.dimension + SCATTER_SET)
     wi, weight, pdf, glossy_pdf, kind = sample_surface(block, workspace, u[0], u[1], u[2])
+    if pdf > 0.0 and block.reuses_paths and path.reused == MIXED:
+        weight, pdf, glossy_pdf = path_reuse.evaluate_arrival(block, workspace, wi, SCATTERED, kind)
     if pdf <= 0.0 or largest(weight) <= 0.0:
         return False
     throughput = scale(mul(vec(path.throughput), weight), 1.0 / pdf)
@@ -390,6 +396,8 @@ def shade_and_scatter(block, workspace, whole):
         gather_surface(block, workspace)
     if block.reuses_paths and path.reused == ARRIVES:
         path_reuse.arrive(block, workspace)
+        if path.reused >= REUSED:
+            return DIVIDES
     if path.kind == CAMERA:
         subtract_alpha(workspace, surface.holdout)
         put_sum(sample.diffuse_albedo, mul(vec(path.throughput), vec(surface.diffuse_albedo)))

@@ -15,7 +15,7 @@ from ...emitter.sampling import cut_points, external
 from ...emitter.sampling.strategies import BOXES, EXTERNAL, NO_LIGHT_RAYS, WHOLE_RAYS
 from ...jit import kernel
 from ...replaced import replaced_on_gpu
-from ...vec import dot, is_zero, largest, length, mul, negate, put, scale, vec
+from ...vec import dot, is_zero, largest, length, mul, negate, scale, vec
 from . import lights
 from .emission_graphs import NO_RAY, modulated
 from .geometry import surface_at, surface_table
@@ -25,8 +25,9 @@ from .media import dispatch as media
 from .outputs import dispatch as outputs
 from .outputs.records import LOBES
 from .outputs.state import LIGHT_RAY
-from .path import BEYOND, LIGHT_SET, contribute, path_table, put_depths, sample_table
-from .path_reuse import arrival_table
+from .path import BEYOND, LIGHT_SET, MIXED, contribute, path_table, put_depths, sample_table
+from .path_reuse import dispatch as path_reuse
+from .path_reuse.records import BY_LIGHT, arrival_table
 from .samplers import get_4d
 from .shading import evaluate, has_lobes, shade, transmits
 from .shading.records import SCATTERED
@@ -141,13 +142,18 @@ def record_scattering_lobes(block, workspace, wi, emitter):
 
 
 @kernel
-def note_light_ray(block, workspace, wi, emitter):
-    """Leave to connections what they estimate of the light of a light ray along wi, where they do so; and note the
-    direction for path reuse."""
-    if block.reuses_paths:
-        put(arrival_table(workspace)[0].light_direction, wi)
+def leave_to_connections(block, workspace, wi, emitter):
+    """Leave to connections what they estimate of the light of a light ray along wi, where they do so."""
     if block.light_paths and path_table(workspace)[0].connects == BEYOND and light_path_sources(block)[emitter]:
         light_paths.record_connected(block, workspace, wi)
+
+
+@kernel
+def scattered(block, workspace, wi, kinds):
+    """``shading.evaluate`` for a light ray: of all paths that share the surface, if they do."""
+    if block.reuses_paths and path_table(workspace)[0].reused == MIXED:
+        return path_reuse.evaluate_arrival(block, workspace, wi, kinds, BY_LIGHT)
+    return evaluate(block, workspace, wi, kinds)
 
 
 @kernel
@@ -174,7 +180,7 @@ def sample_lamp_light(block, workspace, lamp, pmf, u, u1, u2, u3):
         if distance <= 0.0 or largest(intensity) <= 0.0:
             return
         wi = scale(way, 1.0 / distance)
-        weight, _, _ = evaluate(block, workspace, wi, lights.visibility(block, lamp))
+        weight, _, _ = scattered(block, workspace, wi, lights.visibility(block, lamp))
         if largest(weight) <= 0.0:
             return
         start = light_start(block, workspace, wi)
@@ -184,13 +190,13 @@ def sample_lamp_light(block, workspace, lamp, pmf, u, u1, u2, u3):
         weight = mul(weight, transmittance(block, workspace, start, to_point, t_max, lights.blockers(block, lamp)))
         if not is_zero(weight):
             record_scattering_lobes(block, workspace, wi, lamp)
-            note_light_ray(block, workspace, wi, lamp)
+            leave_to_connections(block, workspace, wi, lamp)
             contribute(
                 block, workspace, mul(weight, intensity), 1.0 / (pmf * distance * distance), lamp, path.bounce + 1
             )
         return
     wi = lamp_direction(block, workspace, lamp, x, u1, u2, u3)
-    weight, pdf, glossy_pdf = evaluate(block, workspace, wi, lights.visibility(block, lamp))
+    weight, pdf, glossy_pdf = scattered(block, workspace, wi, lights.visibility(block, lamp))
     if largest(weight) <= 0.0:
         return
     count = lamps.trace(block, lamp, x, wi, spans)
@@ -203,7 +209,7 @@ def sample_lamp_light(block, workspace, lamp, pmf, u, u1, u2, u3):
     radiance = visible_lamp(block, workspace, lamp, x, wi, spans, count, light_start(block, workspace, wi), u)
     if not is_zero(radiance):
         record_scattering_lobes(block, workspace, wi, lamp)
-        note_light_ray(block, workspace, wi, lamp)
+        leave_to_connections(block, workspace, wi, lamp)
         contribute(block, workspace, mul(weight, radiance), 1.0 / pdf_sum, lamp, path.bounce + 1)
 
 
@@ -214,6 +220,8 @@ def sample_direct_light(block, workspace):
     surface = surface_table(workspace)[0]
     x, n = vec(surface.position), vec(surface.n)
     path.two_sided, path.has_glossy, path.scattered = int(transmits(workspace)), int(has_lobes(workspace)), path.bounce
+    if block.reuses_paths and path.reused == MIXED:
+        path.two_sided, path.has_glossy = arrival_table(workspace)[0].two_sided, arrival_table(workspace)[0].has_glossy
     path.light_tree = lights.tree_of(block, surface.instance)
     cut_of(workspace).lamp = -1
     u = get_4d(path.index, path.seed, path.dimension + LIGHT_SET)
@@ -231,7 +239,7 @@ def sample_direct_light(block, workspace):
     wi, distance, radiance, pdf, singular = lights.sample_light(block, emitter, x, n, u[1], u[2])
     if pdf <= 0.0 or largest(radiance) <= 0.0:
         return
-    weight, scatter_pdf, _ = evaluate(block, workspace, wi, lights.visibility(block, emitter))
+    weight, scatter_pdf, _ = scattered(block, workspace, wi, lights.visibility(block, emitter))
     if largest(weight) <= 0.0:
         return
     start = light_start(block, workspace, wi)
@@ -250,5 +258,5 @@ def sample_direct_light(block, workspace):
     if singular or not mis_applies(block, emitter):
         scatter_pdf = 0.0
     record_scattering_lobes(block, workspace, wi, emitter)
-    note_light_ray(block, workspace, wi, emitter)
+    leave_to_connections(block, workspace, wi, emitter)
     contribute(block, workspace, radiance, 1.0 / (pmf * pdf + scatter_pdf), emitter, scatters)

@@ -21,12 +21,13 @@ from ..motion import LEAST_POWER, at, changes_shape, lamp_at, light_steps, shape
 from ..scene import Instance, Lamp, Mesh, Primitive, Scene
 from ..settings import LampSampling
 from ..strands import margin
-from . import camera, emission_graphs, film, geometry, integrator, lamp_tree, lights, motion, path_reuse, rays, shading
+from . import camera, emission_graphs, film, geometry, integrator, lamp_tree, lights, motion, rays, shading
 from .light_paths import records as light_path_records
 from .lights import kinds
 from .media import pack as media
 from .media import records as media_records
 from .outputs import records as output_records
+from .path_reuse import records as path_reuse_records
 from .shading.records import GLOSSY, HAS_EMISSION, HAS_TRANSPARENCY, STOPS_LIGHT_RAYS, TRANSMISSION
 from .shared_places import EVERYWHERE
 from .subsurface import records as subsurface_records
@@ -58,6 +59,7 @@ TABLES = _together(
     media_records.TABLES,
     subsurface_records.TABLES,
     light_path_records.TABLES,
+    path_reuse_records.TABLES,
     {"control": np.dtype(np.int64)},
 )
 SCALARS = [
@@ -75,7 +77,7 @@ SCALARS = [
     *motion.SCALARS,
     *output_records.SCALARS,
     *light_path_records.SCALARS,
-    *path_reuse.SCALARS,
+    *path_reuse_records.SCALARS,
 ]
 BLOCK = block_dtype(TABLES, SCALARS)
 

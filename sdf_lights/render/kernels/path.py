@@ -25,8 +25,8 @@ TRAVEL_SET, PHASE_SET, PLACE_SET = range(1, 4)
 
 # And for the subsurface walk, which has 256 steps. Like all sets that the GPU draws, they are numbers of 31 bits.
 SUBSURFACE_SETS = 1 << 28
-# And for the pass Ambient Occlusion.
-OCCLUSION_SETS = 1 << 50
+# And for the pass Ambient Occlusion, and for the points whose lobes a shared surface has.
+OCCLUSION_SETS, MIXTURE_SETS = 1 << 50, 1 << 51
 
 # Where a ray of a path ends; AT_EXIT: subsurface scattering has ended, and the hit is in the workspace's ray.
 AT_SURFACE, IN_MEDIUM, AT_EXIT = range(3)
@@ -80,9 +80,9 @@ SAMPLE = np.dtype(
 # sources that connections of surfaces before have left. ``stopped`` is not 0 if the ray has passed a surface that stops
 # light rays. ``catches`` is 1 once the camera's path has hit a shadow catcher. ``spans`` still holds the ``kept_count``
 # intervals of the lamp ``kept`` along the ray; −1: of none. ``reused`` says whether the light of a branch is shared
-# among the paths of a group: UNSHARED, ARRIVES on the way to the surface that may be, REUSED there if it is, and ONWARD
-# behind it. ``row`` is that of the sample of a branch's own path, and ``scale`` the largest throughput as the branch
-# began.
+# among the paths of a group: UNSHARED, ARRIVES on the way to the surface that may be, REUSED there if it is, or MIXED
+# if it scatters as the mixture of what all see, and ONWARD behind it. ``row`` is that of the sample of a branch's own
+# path, and ``scale`` the largest throughput as the branch began.
 PATH = np.dtype(
     [
         ("origin", "f8", 3),
@@ -158,7 +158,7 @@ sample_table = table("sample", SAMPLE)
 NO_EMITTER = -1
 
 NOWHERE, BEFORE, BEYOND = range(3)  # values of ``connects``
-UNSHARED, ARRIVES, REUSED, ONWARD = range(4)  # values of ``reused``
+UNSHARED, ARRIVES, REUSED, MIXED, ONWARD = range(5)  # values of ``reused``
 
 
 @kernel

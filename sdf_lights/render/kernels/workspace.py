@@ -15,7 +15,7 @@ from .light_paths.records import WORKSPACE_TABLES as LIGHT_PATH_TABLES
 from .media.records import WORKSPACE_TABLES as MEDIA_TABLES
 from .outputs.records import WORKSPACE_TABLES as OUTPUT_TABLES
 from .path import TABLES, path_table
-from .path_reuse import TABLES as REUSE_TABLES
+from .path_reuse.records import WORKSPACE_TABLES as REUSE_TABLES
 from .rays import RAY
 from .shading.records import WORKSPACE_TABLES as SHADING_TABLES
 
@@ -34,7 +34,7 @@ WORKSPACE_TABLES = {
     **REUSE_TABLES,
 }
 # ``secondary`` is a second workspace for shading the hit of a light ray while the path's own surface waits. The points
-# of path reuse have workspaces with surfaces and closures alone.
+# of path reuse have workspaces with surfaces and closures alone, and so has the arrival as each of them sees it.
 WORKSPACE = block_dtype({**WORKSPACE_TABLES, "secondary": None, "points": None})
 
 _rows_of_spans = table("spans", np.float64, 2)
