@@ -174,7 +174,7 @@ def scatter(block, workspace):
     surface = surface_table(workspace)[0]
     u = get_3d(path.index, path.seed, path.dimension + SCATTER_SET)
     wi, weight, pdf, glossy_pdf, kind = sample_surface(block, workspace, u[0], u[1], u[2])
-    if pdf > 0.0 and block.reuses_paths and path.reused == MIXED:
+    if block.reuses_paths and path.reused == MIXED and pdf > 0.0:
         weight, pdf, glossy_pdf = path_reuse.evaluate_arrival(block, workspace, wi, SCATTERED, kind)
     if pdf <= 0.0 or largest(weight) <= 0.0:
         return False
