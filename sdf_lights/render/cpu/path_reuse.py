@@ -64,7 +64,8 @@ from .path_splitting import add_spread, begin_sample, brightness, control_table,
 # Arrivals that are not diffuse are shaded for each point, which takes time. Where most are so, every eighth point
 # shares one. MOST_TIME: for an arrival on average, in surfaces that rays meet, up to which all points of the group do.
 MOST_STEP, MOST_TIME = 8, 4.0
-# Ways in which the path goes on from such a surface, with light rays of their own: they take less time than all points.
+# Ways in which the path goes on from such a surface, with light rays of their own: they take less time than its points,
+# if all share it.
 WAYS = 2
 
 
@@ -238,7 +239,7 @@ def share_arrival(block, workspace, source):
     paths, samples, arrival = path_table(workspace), sample_table(workspace), arrival_table(workspace)[0]
     point, own = point_table(workspace)[source], samples[GROUP_SAMPLE + source]
     paths[WAITING] = paths[0]
-    ways, looked = 1 if arrival.even else WAYS, not arrival.even
+    ways, looked = 1 if arrival.even or block.reuse_step > 1 else WAYS, not arrival.even
     turn = 0.0 if arrival.even else get_1d(paths[0].index, paths[0].seed, paths[0].dimension + MIXTURE_SETS)
     arrival.number += 1
     arrival.uneven += 1 - arrival.even
