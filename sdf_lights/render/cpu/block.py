@@ -310,7 +310,7 @@ class Workspace:
             fill_table(self.block, "points", self._points)
 
     def arrivals(self) -> np.ndarray:
-        """(1,) ``ARRIVAL`` of this thread, which counts arrivals."""
+        """(1,) ``path_reuse.records.ARRIVAL`` of this thread, which counts arrivals."""
         return self._tables["reuse_arrival"]
 
     def lamp_lengths(self) -> np.ndarray:

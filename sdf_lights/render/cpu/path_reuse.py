@@ -64,9 +64,9 @@ from .path_splitting import add_spread, begin_sample, brightness, control_table,
 # Arrivals that are not diffuse are shaded for each point, which takes time. Where most are so, every eighth point
 # shares one. MOST_TIME: for an arrival on average, in surfaces that rays meet, up to which all points of the group do.
 MOST_STEP, MOST_TIME = 8, 4.0
-# Ways in which the path goes on from such a surface, with light rays of their own: they take less time than its points,
-# if all share it.
-WAYS = 2
+# Path splitting at such a surface: so many paths go on, each with a light ray. They take less time than its points, if
+# all share it.
+SPLITS = 2
 
 
 def supports_path_reuse(scene: Scene, packed: PackedScene) -> bool:
@@ -177,9 +177,9 @@ def note_brought(workspace, number):
 
 
 @kernel
-def share_light(block, workspace, direct, rest, ways):
+def share_light(block, workspace, direct, rest, splits):
     """Give light of the arrival to all points that see it: ``direct``, by a light ray there, and the ``rest``, by the
-    path that has gone on in one of so many ``ways``. Each is RGB, and RGB of lamps."""
+    path that goes on, one of so many ``splits``. Each is RGB, and RGB of lamps."""
     points, arrival = point_table(workspace), arrival_table(workspace)[0]
     by_light, onward = vec(arrival.by_light), vec(arrival.onward)
     for number in range(arrival.points):
@@ -187,7 +187,7 @@ def share_light(block, workspace, direct, rest, ways):
         if not point.visible:
             continue
         factor = scale(mul(vec(point.throughput), vec(point.value)), 1.0 / arrival.density)
-        alone = ways * arrival.density / point.area_pdf
+        alone = splits * arrival.density / point.area_pdf
         if arrival.even:
             add_to_point(block, workspace, number, factor, direct, rest, alone)
             continue
@@ -216,7 +216,7 @@ def choose_lobes(workspace, u):
 
 
 @kernel
-def follow_way(block, workspace):
+def follow_split(block, workspace):
     """Light of the arrival, by a light ray and by the path that goes on from there: ``direct`` and ``rest`` of
     ``share_light``."""
     path, sample, arrival = path_table(workspace)[0], sample_table(workspace)[0], arrival_table(workspace)[0]
@@ -239,16 +239,16 @@ def share_arrival(block, workspace, source):
     paths, samples, arrival = path_table(workspace), sample_table(workspace), arrival_table(workspace)[0]
     point, own = point_table(workspace)[source], samples[GROUP_SAMPLE + source]
     paths[WAITING] = paths[0]
-    ways, looked = 1 if arrival.even or block.reuse_step > 1 else WAYS, not arrival.even
-    turn = 0.0 if arrival.even else get_1d(paths[0].index, paths[0].seed, paths[0].dimension + MIXTURE_SETS)
+    splits, looked = 1 if arrival.even or block.reuse_step > 1 else SPLITS, not arrival.even
+    offset = 0.0 if arrival.even else get_1d(paths[0].index, paths[0].seed, paths[0].dimension + MIXTURE_SETS)
     arrival.number += 1
     arrival.uneven += 1 - arrival.even
-    for way in range(ways):
+    for split in range(splits):
         paths[0] = paths[WAITING]
-        paths[0].index, paths[0].branch_weight = paths[WAITING].index * ways + way, 1.0 / ways
+        paths[0].index, paths[0].branch_weight = paths[WAITING].index * splits + split, 1.0 / splits
         if not arrival.even:
-            choose_lobes(workspace, (way + turn) / ways)
-        direct, rest = follow_way(block, workspace)
+            choose_lobes(workspace, (split + offset) / splits)
+        direct, rest = follow_split(block, workspace)
         light = add(direct[0], rest[0])
         if not light[0] + light[1] + light[2] < math.inf:
             put_sum(own.combined, light)  # this sample is left out, and those of others are not
@@ -257,7 +257,7 @@ def share_arrival(block, workspace, source):
                 add_to_point(block, workspace, source, vec(arrival.throughput), direct, rest, float(point.branches))
                 break
             looked = True
-            share_light(block, workspace, direct, rest, float(ways))
+            share_light(block, workspace, direct, rest, float(splits))
     for number in range(arrival.points):
         note_brought(workspace, number)
 

@@ -200,15 +200,15 @@ def part_of_kind(kind, pdf, glossy_pdf):
 
 
 @kernel
-def evaluate_arrival(block, workspace, x, y, z, kinds, way):
+def evaluate_arrival(block, workspace, x, y, z, kinds, ray):
     """As ``shading.evaluate`` for the direction (x, y, z), of the mixture: f̄ |cos| (RGB), p̄, and the part of that
     from lobes.
 
-    ``way`` is BY_LIGHT for a light ray, or the kind of the ray that goes on. Rays of each kind share among themselves,
+    ``ray`` is BY_LIGHT for a light ray, or the kind of the ray that goes on. Rays of each kind share among themselves,
     as each has limits of its own: as much of f̄ as they are of p̄.
     """
     arrival, points = arrival_table(workspace)[0], point_table(workspace)
-    wi, kind, total, density, glossy, of_kind = (x, y, z), int(way), ZERO, 0.0, 0.0, 0.0
+    wi, kind, total, density, glossy, of_kind = (x, y, z), int(ray), ZERO, 0.0, 0.0, 0.0
     for number in range(arrival.points):
         point = points[number]
         if point.visible:

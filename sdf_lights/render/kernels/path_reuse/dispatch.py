@@ -21,7 +21,7 @@ def arrive(block, workspace):
 
 
 @kernel
-def evaluate_arrival(block, workspace, wi, kinds, way):
+def evaluate_arrival(block, workspace, wi, kinds, ray):
     """See ``arrivals.evaluate_arrival``."""
-    found = call_part(_code(block)[EVALUATE], block, workspace, (wi[0], wi[1], wi[2], kinds, way), 5)
+    found = call_part(_code(block)[EVALUATE], block, workspace, (wi[0], wi[1], wi[2], kinds, ray), 5)
     return (found[0], found[1], found[2]), found[3], found[4]
