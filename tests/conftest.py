@@ -27,6 +27,10 @@ import host  # noqa: E402  (found on the path set above)
 # cores are busy a wait of milliseconds. It reads this when NumPy is first imported.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
+# Programs of the GPU take long to compile in software, and tests run each of them for moments. So LLVM leaves them as
+# they are: a third less time.
+os.environ.setdefault("GALLIVM_PERF", "nopt")
+
 # Kernels compiled by the tests stay in the checkout: a run never sees, or fills, the user's own cache.
 os.environ.setdefault("SDF_LIGHTS_CACHE", str(REPOSITORY / "build" / "kernels"))
 

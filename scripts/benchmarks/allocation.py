@@ -83,6 +83,11 @@ TERMS: dict[str, tuple[str, dict, dict]] = {
     "near": ("noise of branches of the 80 nearest neighbours, not of 24", {}, dict(NEAR=FAR)),
     "patch": ("patches of two pixels", {}, dict(PATCH=2)),
     "bands": ("a quarter of the rows first", {}, dict(BANDS=4)),
+    "light_paths": ("no light paths", dict(lamp_paths="NEVER"), {}),
+    "path_reuse": ("no path reuse", dict(path_reuse="NEVER"), {}),
+    "neither": ("no light paths, and no path reuse", dict(lamp_paths="NEVER", path_reuse="NEVER"), {}),
+    "every_point": ("all points of a group share each surface that branches find", {}, dict(MOST_TIME=math.inf)),
+    "few_points": ("an eighth of the points share surfaces that are not diffuse", {}, dict(MOST_TIME=0.0)),
     "one_connection": ("one connection for each branch", {}, dict(CONNECTIONS=1)),
     "eight_connections": ("eight connections for each branch", {}, dict(CONNECTIONS=8)),
     "fewer_paths": ("half as many light paths", {}, dict(SHARED=16)),
@@ -102,8 +107,12 @@ TERMS: dict[str, tuple[str, dict, dict]] = {
 }
 
 
+# The settings that terms change, for all others.
+DEFAULTS = dict(
+    indirect_paths=0, guided_samples=True, noise_threshold=0.0, lamp_paths="AUTOMATIC", path_reuse="AUTOMATIC"
+)
 # Modules whose values are replaced where they stand.
-OWNERS = ("render.sample_allocation", "render.cpu.light_paths")
+OWNERS = ("render.sample_allocation", "render.cpu.light_paths", "render.cpu.path_reuse")
 DOCUMENT = host.REPOSITORY / "docs" / "sampling.md"
 BEGIN, END = "<!-- allocation -->", "<!-- end of allocation -->"
 
@@ -171,7 +180,7 @@ def _render(name: str, scene, term: str, samples: int, seed: int, device: str) -
         simple_scenes.plain_sdf_lights(scene, samples, BOUNCES, device)
         scene.sdf_lights.seed = seed
     chosen, values = TERMS[term][1:] if term != ALL else ({}, {})
-    for setting, value in (dict(indirect_paths=0, guided_samples=True, noise_threshold=0.0) | chosen).items():
+    for setting, value in (DEFAULTS | chosen).items():
         setattr(scene.sdf_lights, setting, value)
     with _without(values):
         return pictures.render()

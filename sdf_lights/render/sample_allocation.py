@@ -199,9 +199,9 @@ def _branches_by_one(film: Film) -> int:
     return round(min(max(best, 1.0), MOST_BRANCHES))
 
 
-def own_cost(film: Film) -> float:
-    """C: what a sample costs beside its branches, in surfaces that these meet."""
-    return COST + CUT_COST * film.divided[:, 4].sum() / max(film.count.sum(), 1)
+def own_cost(film: Film, pixels=slice(None)) -> float:
+    """C: what a sample of these pixels costs beside its branches, in surfaces that these meet."""
+    return COST + CUT_COST * film.divided[pixels, 4].sum() / max(film.count[pixels].sum(), 1)
 
 
 def _patches(values: np.ndarray) -> np.ndarray:

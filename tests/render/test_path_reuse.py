@@ -132,6 +132,14 @@ def test_it_is_used_where_it_pays():
     assert np.array_equal(picture(AUTOMATIC, **fixed), picture(WITHOUT, **fixed))
 
 
+def test_no_sample_is_lost_where_nothing_can_be_gained(monkeypatch):
+    """The samples that tell so are the first ones of the picture: none goes to a film of its own."""
+    monkeypatch.setattr(CpuRenderer, "_trial", None)
+    fixed = dict(samples=32, build=torus_room, size=(96, 64), change=floor)
+    without = picture(WITHOUT, **fixed)
+    assert np.array_equal(picture(AUTOMATIC, lamp_paths=LampPaths.AUTOMATIC, **fixed), without)
+
+
 def floor(scene) -> None:
     del scene.instances[1:]
 

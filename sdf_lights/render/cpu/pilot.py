@@ -5,8 +5,8 @@
 Two samples of a few pixels without light paths are compared with two samples with them. Path reuse needs neighbours, so
 whole rows of pixels tell what it does to the scatter of branches. All are compared by the product of error and time,
 each with the best number of branches for it: with connections, paths need fewer. Time is counted in surfaces that rays
-meet, as in ``sample_allocation.py``. It is never measured, so a seed gives one picture on all machines. The pilots have
-films of their own, so the picture without either is as if they had never been there.
+meet, as in ``sample_allocation.py``. It is never measured, so a seed gives one picture on all machines. Samples without
+either are the first ones of the picture. Those with one of them have films of their own.
 """
 
 from __future__ import annotations
@@ -20,17 +20,17 @@ from ..settings import Settings
 from .light_paths import LightPaths
 
 SAMPLES = 2  # of each pilot pixel: the fewest that scatter
-# Pilot pixels: for each pixel and sample of the render, so that all four samples take 2 % of its time; of a render at
-# most, and at least.
+# Pilot pixels: for each pixel and sample of the render, so that two samples take 1 % of its time; of a render at most,
+# and at least.
 PART, MOST, FEWEST = 0.005, 4096, 96
 # The most that a pilot may cost, as a part of the render, where no SDF lamp makes a gain likely.
-MOST_COST = 0.03
+MOST_COST = 0.02
 # Error × time without light paths over that with them, from which on they are used. A pilot has few light paths: where
 # it promised 0.7 to 1.7, they brought 1 to 8, and where it promised less than 0.5, 0.3 to 0.5. And what they must
 # promise before they are tried.
 GAIN, LEAST_POTENTIAL = 0.7, 1.5
-# The same of path reuse, and the least number of samples of a render that tries it. Three or four samples of an eighth
-# of the pixels, or of so many pixels, tell: 3 % of the shortest render.
+# The same of path reuse, and the least number of samples of a render that tries it. One or two samples of an eighth of
+# the pixels, or of so many pixels, tell: 2 % of the shortest render.
 REUSE_GAIN, LEAST_SAMPLES, MOST_OF_ROWS = 1.15, 16, 1 << 16
 ROWS_BRANCHES = 4  # at most, of each pixel of these rows
 # Light paths bring about the square of what their pilot promises over this: 1.1 and 1.7 where they bring 2.5, 1.1 to
@@ -41,9 +41,9 @@ FLOOR = 0.05  # part of the mean square brightness that is added to the squares 
 
 
 def pilot_pixels(film: Film, samples: int) -> np.ndarray | None:
-    """(pixels,) 1 at the pilot pixels of a render with so many samples, evenly among the active ones; None if these are
-    too few."""
-    active = np.flatnonzero(film.active)
+    """(pixels,) 1 at the pilot pixels of a render with so many samples, evenly among the active ones without any yet;
+    None if these are too few."""
+    active = np.flatnonzero((film.active != 0) & (film.count == 0))
     wanted = min(PART * samples * len(active), MOST, len(active))
     if wanted < FEWEST:
         return None
@@ -55,8 +55,18 @@ def pilot_pixels(film: Film, samples: int) -> np.ndarray | None:
 def is_affordable(pixels: np.ndarray, light_paths: LightPaths, film: Film, samples: int) -> bool:
     """Whether a pilot of these ``pixels``, (n,) with 1 for each, costs little beside a render with so many samples, or
     is likely to pay."""
-    cost = 2 * SAMPLES * np.count_nonzero(pixels) + light_paths.pilot_cost(SAMPLES)
+    cost = SAMPLES * np.count_nonzero(pixels) + light_paths.pilot_cost(SAMPLES)
     return light_paths.has_lamps() or cost <= MOST_COST * samples * np.count_nonzero(film.active)
+
+
+@frozen
+class Promise:
+    """What a measurement lets light paths or path reuse promise: how many times less error × time; of path reuse also
+    the step (see ``PackedScene.set_path_reuse``) and the number of branches to begin with."""
+
+    gain: float = 0.0
+    step: int = 0
+    branches: int = 1
 
 
 @frozen
@@ -72,7 +82,7 @@ class Pilot:
 
     @classmethod
     def of(cls, film: Film, pixels: np.ndarray) -> Pilot:
-        """From a film whose ``pixels`` (n,) have ``SAMPLES`` samples, and the others none."""
+        """From a film whose ``pixels`` (n,) have ``SAMPLES`` samples."""
         at = np.flatnonzero(pixels)
         of_before, of_all, total, _ = film.squares[at].T
         before = film.sums["combined"].reshape(-1, 4)[at, :3].sum(axis=1)
@@ -80,7 +90,7 @@ class Pilot:
             np.maximum(squares - sums**2 / SAMPLES, 0.0) / (SAMPLES - 1)
             for squares, sums in ((of_all, total), (of_before, before))
         )
-        return cls(total, whole, first, own_cost(film), film.divided[:, 2].sum() / max(film.count.sum(), 1))
+        return cls(total, whole, first, own_cost(film, at), film.divided[at, 2].sum() / max(film.count[at].sum(), 1))
 
     def error_times_time(self, weights: np.ndarray) -> float:
         """Of samples that split into the best number of branches, with the errors of pixels times ``weights``.
@@ -115,19 +125,25 @@ def gain(without: Pilot, other: Pilot) -> float:
     return min(found)
 
 
+def reuse_potential(alone: Film, settings: Settings) -> float:
+    """The gain of path reuse, if branches did not scatter at all, by the samples of a film."""
+    return gain_by_branches(alone, settings, 0.0, 1.0)[0]
+
+
 def reuse_gain(alone: Film, shared: Film, settings: Settings) -> tuple[float, int]:
     """Error × time without path reuse over that with it, and the mean of the best numbers of branches with it. The
-    films have samples of the same rows of pixels, without and with it: what these tell of the noise and time of a
-    branch goes for all pixels."""
+    pixels that have a sample with it have two without: what these tell of the noise and time of a branch goes for all
+    pixels."""
     rows = shared.count > 0
     weights = np.where(rows, _weights(alone.squares[:, 2] / 2.0 + shared.squares[:, 2]), 0.0)
 
     def branch(film: Film) -> tuple[float, float]:
         """Its noise, and the surfaces that it meets."""
         freedom = np.maximum(film.divided[:, 0] - film.count, 1.0)
-        return float(weights @ (film.squares[:, 3] / freedom)), film.divided[:, 2].sum() / film.divided[:, 0].sum()
+        branches, _, met, _, _ = film.divided[rows].sum(axis=0)
+        return float(weights @ (film.squares[:, 3] / freedom)), met / branches
 
-    if not (rows.any() and shared.divided[:, 2].any() and alone.divided[:, 2].any()):
+    if not (shared.divided[:, 2].any() and alone.divided[rows, 2].any()):
         return 0.0, 1
     (noise, time), (noise_alone, time_alone) = branch(shared), branch(alone)
     if not noise_alone > 0.0:

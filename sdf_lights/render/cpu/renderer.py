@@ -26,17 +26,20 @@ from .path_reuse import MOST_STEP, render_tile_reusing, step_for, supports_path_
 from .path_splitting import render_tile
 from .pilot import (
     GAIN,
+    LEAST_POTENTIAL,
     LEAST_SAMPLES,
     MOST_OF_ROWS,
     PROMISE,
     REUSE_GAIN,
     ROWS_BRANCHES,
     Pilot,
+    Promise,
     gain,
     is_affordable,
     may_be_worthwhile,
     pilot_pixels,
     reuse_gain,
+    reuse_potential,
 )
 from .pilot import SAMPLES as PILOT_SAMPLES
 
@@ -171,48 +174,68 @@ class CpuRenderer:
 
     def _choose(self, stop: Callable[[], bool]) -> bool:
         """Use light paths or path reuse, as the settings say, or where it pays; never both, as connections leave little
-        to share. The film then begins anew. Returns False if stopped before the end."""
+        to share. The film begins anew if a measurement decides for one. Returns False if stopped before the end."""
         light_paths, self._light_paths = self._light_paths, None
-        promise, reused, step, branches = 0.0, 0.0, 0, 1
         self._reuse(0)
-        if light_paths is not None:
-            promise = self._try_light_paths(light_paths, stop) if light_paths.automatic else np.inf
-        if self._may_reuse and promise is not None and promise < np.inf:
-            reused, step, branches = self._try_reuse(stop)
-        if promise is None or reused is None:
+        if light_paths is not None and not light_paths.automatic:
+            self._light_paths = light_paths
+            return True
+        pixels = self._pilot_pixels(light_paths) if light_paths is not None else None
+        rows = self._rows_to_reuse()
+        wanted = [each for each in (pixels, rows) if each is not None]
+        if not wanted:
+            return True
+        without = self._first_samples(np.any(wanted, axis=0), stop)
+        promise = reused = Promise()
+        if without is not None and pixels is not None:
+            promise = self._try_light_paths(light_paths, pixels, without, stop)
+        if without is not None and promise is not None and rows is not None:
+            reused = self._try_reuse(rows, without, stop)
+        if without is None or promise is None or reused is None:
             return False
-        if reused > max(REUSE_GAIN, (promise / PROMISE) ** 2):
+        if reused.gain > max(REUSE_GAIN, (promise.gain / PROMISE) ** 2):
             self._film.clear()
-            sample_allocation.begin_with(self._film, self._settings, branches)
-            self._reuse(step)
-        elif promise > GAIN:
-            if promise < np.inf:
-                self._film.clear()
+            sample_allocation.begin_with(self._film, self._settings, reused.branches)
+            self._reuse(reused.step)
+        elif promise.gain > GAIN:
+            self._film.clear()
             self._light_paths = light_paths
         return True
 
-    def _try_light_paths(self, light_paths: LightPaths, stop: Callable[[], bool]) -> float | None:
-        """The gain that light paths promise; None if stopped before the end."""
+    def _pilot_pixels(self, light_paths: LightPaths) -> np.ndarray | None:
+        """The pixels that try light paths; None if they are not worth that."""
         film, samples = self._film, self._settings.samples
         pixels = pilot_pixels(film, samples)
-        if pixels is None or not is_affordable(pixels, light_paths, film, samples):
-            return 0.0
-        without = self._trial(pixels, PILOT_SAMPLES, stop)
-        if without is None:
-            return None
-        without = Pilot.of(without, pixels)
-        if not may_be_worthwhile(without):
-            return 0.0
-        connected = self._trial(pixels, PILOT_SAMPLES, stop, light_paths)
-        return None if connected is None else gain(without, Pilot.of(connected, pixels))
+        return pixels if pixels is not None and is_affordable(pixels, light_paths, film, samples) else None
 
-    def _try_reuse(self, stop: Callable[[], bool]) -> tuple[float | None, int, int]:
-        """The gain that path reuse promises by samples of some rows of pixels, its step, and the number of branches to
-        begin with; None for the gain if stopped before the end."""
-        settings, rows = self._settings, sample_allocation.bands(self._film, MOST_OF_ROWS)
-        always = settings.path_reuse is PathReuse.ALWAYS
-        if settings.samples < LEAST_SAMPLES and not always:
-            return 0.0, 0, 1
+    def _rows_to_reuse(self) -> np.ndarray | None:
+        """The pixels that try path reuse; None if it is not tried."""
+        settings = self._settings
+        tried = self._may_reuse and (settings.samples >= LEAST_SAMPLES or settings.path_reuse is PathReuse.ALWAYS)
+        return sample_allocation.bands(self._film, MOST_OF_ROWS) if tried else None
+
+    def _first_samples(self, pixels: np.ndarray, stop: Callable[[], bool]) -> Film | None:
+        """A film with as many samples of these pixels as tell their noise: the picture's, unless it is to have fewer.
+        None if stopped before the end."""
+        if self._settings.samples < PILOT_SAMPLES:
+            return self._trial(pixels, PILOT_SAMPLES, stop)
+        return self._film if self._sample_pixels(pixels, PILOT_SAMPLES, stop, lambda part: None) else None
+
+    def _try_light_paths(
+        self, light_paths: LightPaths, pixels: np.ndarray, without: Film, stop: Callable[[], bool]
+    ) -> Promise | None:
+        """What light paths promise, by these pixels; None if stopped before the end."""
+        alone = Pilot.of(without, pixels)
+        if not may_be_worthwhile(alone):
+            return Promise()
+        connected = self._trial(pixels, PILOT_SAMPLES, stop, light_paths)
+        return None if connected is None else Promise(gain(alone, Pilot.of(connected, pixels)))
+
+    def _try_reuse(self, rows: np.ndarray, without: Film, stop: Callable[[], bool]) -> Promise | None:
+        """What path reuse promises, by these rows of pixels; None if stopped before the end."""
+        always = self._settings.path_reuse is PathReuse.ALWAYS
+        if not always and reuse_potential(without, self._settings) < LEAST_POTENTIAL:
+            return Promise()
         step, shared = 0, None
         for workspace in self._workspaces:
             workspace.arrivals()[:] = 0
@@ -222,12 +245,9 @@ class CpuRenderer:
             shared = self._trial(rows, 1, stop, most_branches=ROWS_BRANCHES)
             self._reuse(0)
             if shared is None:
-                return None, 0, 1
-        alone = self._trial(rows, PILOT_SAMPLES, stop, most_branches=ROWS_BRANCHES)
-        if alone is None:
-            return None, 0, 1
-        gain, branches = reuse_gain(alone, shared, settings)
-        return np.inf if always else gain, step, branches
+                return None
+        gain, branches = reuse_gain(without, shared, self._settings)
+        return Promise(np.inf if always else gain, step, branches)
 
     def _arrivals(self) -> np.ndarray:
         return np.concatenate([workspace.arrivals() for workspace in self._workspaces])
@@ -243,7 +263,8 @@ class CpuRenderer:
         """A film of its own, with samples of some pixels, with ``light_paths`` or without; None if stopped before the
         end."""
         trial = Film(self._scene, self._film.passes)
-        trial.branches[:], trial.active[:] = np.minimum(self._film.branches, most_branches), pixels
+        trial.branches[:] = np.minimum(self._film.branches, most_branches)
+        trial.active[:] = self._film.active & pixels
         self._packed.set_film(self._scene, trial)
         done = True
         for sample in range(samples):
