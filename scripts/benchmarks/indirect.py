@@ -36,14 +36,13 @@ STAGES = (*lamp_scenes.THE_FIVE, "room")
 INTERIORS = indirect_rivals.INTERIORS
 ORDINARY = (*INTERIORS, "street")
 SCENES = (*ROOMS, *LIGHTS, *STAGES, *ORDINARY)
-QUICK = (*ROOMS, *LIGHTS, *lamp_scenes.THE_FIVE, *INTERIORS)
+QUICK = ("cove", "sign", "S1", "S2", "kitchen")  # each summary has one, in two minutes
 BOUNCES = 4  # of scenes of lamps
 SIZE, QUICK_SIZE = 128, 64
 SAMPLES, QUICK_SAMPLES = 32, 16
 LIGHTS_SAMPLES = 64  # without SDF lamps, shorter renders do not try light paths
 INTERIORS_SIZE = 128  # smaller renders would mostly measure what comes before the first sample
 SEEDS, QUICK_SEEDS = 8, 3
-RIVALS_SEEDS, QUICK_RIVALS_SEEDS = 8, 3
 DOCUMENT = host.REPOSITORY / "docs" / "sampling.md"
 BEGIN, END = "<!-- indirect -->", "<!-- end of indirect -->"
 COLUMNS = dict(gain="without both", paper="the paper's sampler", cycles="Cycles", cycles_guided="Cycles, path guiding")
@@ -92,7 +91,6 @@ def measure(name: str, options) -> dict:
         without_reuse = _render(name, scene, AUTOMATIC, samples, 0, options.device, reuse=WITHOUT)
         connected = np.array_equal(without_reuse.pixels, made[AUTOMATIC][0].pixels)
         row["chosen"] = "light paths" if connected else "path reuse"
-    seeds = QUICK_RIVALS_SEEDS if options.quick else RIVALS_SEEDS
     rivals = _rivals(name, options.device) if options.rivals else {}
     return row | {key: indirect_rivals.ratio(rival, made[AUTOMATIC], seeds) for key, rival in rivals.items()}
 
@@ -116,7 +114,8 @@ def row_of(stacks: dict[str, np.ndarray], work: dict[str, float]) -> dict:
 
     ``gain`` and ``gain_of_most``: see ``allocation.gains_of``. ``time``: with over without. ``percentile``, ``worst``:
     the 99.9th percentile and the greatest of the errors of pixels, with over without.
-    ``deviation``: of the means, in standard errors. ``used``: whether the choice has changed anything.
+    ``difference``: of the means, as a part of the picture; ``deviation``: the same in standard errors. ``used``:
+    whether the choice has changed anything.
     """
     names = {WITHOUT: "without", AUTOMATIC: allocation.ALL}
     gains = allocation.gains_of(
@@ -138,6 +137,7 @@ def row_of(stacks: dict[str, np.ndarray], work: dict[str, float]) -> dict:
         time=1.0 / gains["time"],
         percentile=float(percentile),
         worst=float(worst),
+        difference=float(difference / whole[WITHOUT].mean()),
         deviation=float(difference / error) if used else 0.0,
         used=used,
     )
