@@ -40,6 +40,7 @@ NAMES = (
     "scenes",
     "allocation",
     "indirect",
+    "caustics",
     "revisions",
     "trust",
     "hard",
