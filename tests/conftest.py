@@ -2,11 +2,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What every test has: the repository on the import path and a folder for compiled kernels that stays between runs."""
 
-import importlib
+import contextlib
+import importlib.util
 import os
 import pathlib
 import subprocess
 import sys
+from collections.abc import Callable, Iterator
 
 import pytest
 
@@ -35,6 +37,45 @@ os.environ.setdefault("GALLIVM_PERF", "nopt")
 os.environ.setdefault("SDF_LIGHTS_CACHE", str(REPOSITORY / "build" / "kernels"))
 
 
+@contextlib.contextmanager
+def _locked(path: pathlib.Path) -> Iterator[None]:
+    """No other process is in a block with the lock of the same ``path``."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("w") as lock:
+        if fcntl is not None:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
+
+
+def pytest_sessionstart(session):
+    """Where tests run in several processes, kernels are compiled before: each would otherwise compile the same ones."""
+    if not getattr(session.config.option, "numprocesses", None) or hasattr(session.config, "workerinput"):
+        return
+    from sdf_lights.render.cpu.background import NEEDED
+
+    if importlib.util.find_spec("numba"):
+        command = [sys.executable, "-m", "sdf_lights.render.cpu.precompile"]
+        options = dict(cwd=REPOSITORY, stdout=subprocess.DEVNULL)
+        for process in [subprocess.Popen([*command, *groups], **options) for groups in NEEDED]:
+            process.wait()
+
+
+@pytest.fixture(scope="session")
+def shared(tmp_path_factory) -> Callable[[str, Callable[[pathlib.Path], None]], pathlib.Path]:
+    """``shared(name, make)`` is a file that ``make(path)`` has written, once for all processes of tests."""
+    folder = tmp_path_factory.getbasetemp()
+    folder = folder.parent if "PYTEST_XDIST_WORKER" in os.environ else folder
+
+    def file(name: str, make: Callable[[pathlib.Path], None]) -> pathlib.Path:
+        path = folder / name
+        with _locked(path.with_suffix(".lock")):
+            if not path.is_file():
+                make(path)
+        return path
+
+    return file
+
+
 @pytest.fixture(scope="session")
 def blender_command() -> list[str]:
     """Command that opens a Blender with a window; arguments follow it. The test is skipped where there is none. Its
@@ -43,11 +84,7 @@ def blender_command() -> list[str]:
     if command is None:
         pytest.skip(host.NO_WINDOW)
     session = REPOSITORY / "tests" / "blender" / "kernels_session.py"
-    cache = pathlib.Path(os.environ["SDF_LIGHTS_CACHE"])
-    cache.mkdir(parents=True, exist_ok=True)
-    with (cache / "compiling.lock").open("w") as lock:
-        if fcntl is not None:
-            fcntl.flock(lock, fcntl.LOCK_EX)
+    with _locked(pathlib.Path(os.environ["SDF_LIGHTS_CACHE"]) / "compiling.lock"):
         subprocess.run([*command, "--background", "--factory-startup", "--python", session], check=True, timeout=900)
     return command
 

@@ -38,17 +38,24 @@ def _named(cases: list) -> list:
     return [pytest.param(case, id=case.name) for case in cases]
 
 
-def _rows(folder, *arguments: str, key: str = "case") -> dict[str, dict]:
-    """Rows of the benchmark by the name of the case."""
-    out = folder / "rows.json"
-    done = subprocess.run(
-        [sys.executable, SCRIPTS / "bench.py", "nodes", "--out", out, *arguments],
-        capture_output=True,
-        text=True,
-        timeout=1800,
-    )
-    assert done.returncode in (0, 1) and out.is_file(), done.stdout + done.stderr
-    return {row[key]: row for row in json.loads(out.read_text(encoding="utf-8"))["rows"]}
+@pytest.fixture(scope="module")
+def rows_of(shared):
+    """``rows_of(name, *arguments)`` are rows of the benchmark by the name of the case."""
+
+    def rows(name: str, *arguments: str, key: str = "case") -> dict[str, dict]:
+        def run(out: pathlib.Path) -> None:
+            done = subprocess.run(
+                [sys.executable, SCRIPTS / "bench.py", "nodes", "--out", out, *arguments],
+                capture_output=True,
+                text=True,
+                timeout=1800,
+            )
+            assert done.returncode in (0, 1) and out.is_file(), done.stdout + done.stderr
+
+        found = shared(f"{name}.json", run)
+        return {row[key]: row for row in json.loads(found.read_text(encoding="utf-8"))["rows"]}
+
+    return rows
 
 
 def _listed(case) -> bool:
@@ -65,23 +72,23 @@ def _check(case, row: dict) -> None:
 
 
 @pytest.fixture(scope="module")
-def first_values(tmp_path_factory):
-    return _rows(tmp_path_factory.mktemp("first_values"), "--parts", "values", "--first")
+def first_values(rows_of):
+    return rows_of("first_values", "--parts", "values", "--first")
 
 
 @pytest.fixture(scope="module")
-def values(tmp_path_factory):
-    return _rows(tmp_path_factory.mktemp("values"), "--parts", "values,worlds")
+def values(rows_of):
+    return rows_of("values", "--parts", "values,worlds")
 
 
 @pytest.fixture(scope="module")
-def closures(tmp_path_factory):
-    return _rows(tmp_path_factory.mktemp("closures"), "--parts", "lit", "--quick", "--first")
+def closures(rows_of):
+    return rows_of("closures", "--parts", "lit", "--quick", "--first")
 
 
 @pytest.fixture(scope="module")
-def artists_materials(tmp_path_factory):
-    return _rows(tmp_path_factory.mktemp("materials"), "--parts", "materials", "--quick", key="material")
+def artists_materials(rows_of):
+    return rows_of("materials", "--parts", "materials", "--quick", key="material")
 
 
 @pytest.mark.parametrize("case", _named(nodes.first_of_each_node(_cases("values"))))

@@ -45,10 +45,7 @@ FOUND = 2e-3, 2e-2
 MOVING = ("moving", "moving_strands")
 # Lamps that differ in how cuts sample them. Those with colours have the shapes of lamps of data, whose programs take
 # longest to compile: the former are compared by cuts, the latter by MIS.
-BY_CUTS = (
-    *("field_lamps", "colored_lamps", "varying_lamps", "frame_lamp", "cove", "inside_lamp"),
-    *("submerged", "shadow_catcher", "light_control", "instances"),
-)
+BY_CUTS = ("field_lamps", "colored_lamps", "varying_lamps", "frame_lamp", "inside_lamp", "light_control")
 APART = (
     *("network_lamp", "torus_room", "subsurface", "fog_lamp", "fur", "rolling", "changing_lamps", "colored_lamps"),
     *MOVING,
