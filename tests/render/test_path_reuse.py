@@ -75,9 +75,9 @@ def by_area(scene) -> None:
     [
         (things, dict()),
         (facing, dict()),
-        (things, dict(change=by_area)),
+        pytest.param(things, dict(change=by_area), marks=pytest.mark.slow),
         (things, dict(filter_glossy=1.0, max_bounces=12, diffuse_bounces=2, glossy_bounces=1)),
-        pytest.param(things, dict(samples=64, indirect_paths=0, guided_samples=True), marks=pytest.mark.slow),
+        pytest.param(things, dict(samples=32, indirect_paths=0, guided_samples=True), marks=pytest.mark.slow),
     ],
     ids=["things", "facing", "area", "limits", "allocated"],
 )

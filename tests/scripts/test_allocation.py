@@ -48,13 +48,13 @@ def test_summary_tells_lamps_from_other_scenes():
 @pytest.mark.parametrize("term", allocation.TERMS)
 def test_what_a_term_switches_off_exists(term):
     from sdf_lights.render import sample_allocation
-    from sdf_lights.render.cpu import light_paths, path_splitting
+    from sdf_lights.render.cpu import light_paths, path_reuse, path_splitting
     from sdf_lights.render.settings import Settings
 
     _, settings, values = allocation.TERMS[term]
     assert settings or values
     assert all(hasattr(Settings(), name) for name in settings)
-    modules = sample_allocation, path_splitting, light_paths
+    modules = sample_allocation, path_splitting, light_paths, path_reuse
     assert all(sum(hasattr(module, name) for module in modules) == 1 for name in values)
 
 
