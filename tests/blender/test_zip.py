@@ -11,6 +11,7 @@ import subprocess
 import sys
 import tomllib
 import zipfile
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -135,8 +136,8 @@ def test_kernels_of_two_checkouts_are_the_same_bytes(tmp_path):
     """In folders of other names and lengths, each with its own path to Python, caches and temporary folder. Nothing in
     them names a folder. All kernels are made alike, so those of lamps, which are the fewest, stand for all."""
     environment = pathlib.Path(sys.executable).parents[1]
-    caches = []
-    for name in ("one", "another folder/with a longer name"):
+
+    def compiled(name: str) -> dict[pathlib.Path, pathlib.Path]:
         checkout = tmp_path / name / "checkout"
         shutil.copytree(
             REPOSITORY / "sdf_lights", checkout / "sdf_lights", ignore=shutil.ignore_patterns("__pycache__")
@@ -146,12 +147,15 @@ def test_kernels_of_two_checkouts_are_the_same_bytes(tmp_path):
         folders = {key: checkout.with_name(key) for key in ("TMPDIR", "XDG_CACHE_HOME", "HOME", "SDF_LIGHTS_CACHE")}
         for folder in folders.values():
             folder.mkdir()
-        caches.append(folders["SDF_LIGHTS_CACHE"])
         given = os.environ | {key: str(folder) for key, folder in folders.items()} | {"PYTHONHASHSEED": "0"}
         command = [python, "-m", shipped_kernels.PROGRAM, "lamps"]
         done = subprocess.run(command, cwd=checkout, env=given, capture_output=True, text=True, timeout=600)
         assert done.returncode == 0, done.stderr
-    one, other = ({path.relative_to(cache): path for path in cache.glob(shipped_kernels.KEPT)} for cache in caches)
+        cache = folders["SDF_LIGHTS_CACHE"]
+        return {path.relative_to(cache): path for path in cache.glob(shipped_kernels.KEPT)}
+
+    with ThreadPoolExecutor() as pool:
+        one, other = pool.map(compiled, ("one", "another folder/with a longer name"))
     assert len(one) >= 10 and one.keys() == other.keys()
     for name, path in one.items():
         code = path.read_bytes()
