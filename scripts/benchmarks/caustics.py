@@ -144,13 +144,15 @@ def by_light_paths(scene, passes: int) -> tuple[dict[str, Estimates], np.ndarray
     center, radius = _ball_around(bpy.data.objects["Thing"])
     plain = functools.partial(tracer.vertices, paths=paths)
     aimed = functools.partial(tracer.aimed_vertices, paths=paths, center=center, radius=radius)
-    makers = {"connect": (plain, lambda _, vertices: tracer.connect(vertices))}
-    makers["aimed"] = aimed, makers["connect"][1]
-    for pixels in RADII:
-        makers[f"merge_{pixels:g}"] = (
-            plain,
-            lambda number, vertices, wide=pixels * width: tracer.merge(number, vertices, wide)[0],
-        )
+
+    def connect(number: int, vertices: np.ndarray) -> np.ndarray:
+        return tracer.connect(vertices)
+
+    def merge(number: int, vertices: np.ndarray, pixels: float) -> np.ndarray:
+        return tracer.merge(number, vertices, pixels * width)[0]
+
+    makers = dict(connect=(plain, connect), aimed=(aimed, connect))
+    makers |= {f"merge_{pixels:g}": (plain, functools.partial(merge, pixels=pixels)) for pixels in RADII}
     found: dict[str, list[np.ndarray]] = {name: [] for name in makers}
     work: dict[str, list[float]] = {name: [] for name in makers}
     for number in range(passes + 1):  # the first one compiles

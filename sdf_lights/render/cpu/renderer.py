@@ -32,8 +32,8 @@ from .pilot import (
     PROMISE,
     REUSE_GAIN,
     ROWS_BRANCHES,
+    GainEstimate,
     Pilot,
-    Promise,
     gain,
     is_affordable,
     may_be_worthwhile,
@@ -186,18 +186,19 @@ class CpuRenderer:
         if not wanted:
             return True
         without = self._first_samples(np.any(wanted, axis=0), stop)
-        promise = reused = Promise()
-        if without is not None and pixels is not None:
-            promise = self._try_light_paths(light_paths, pixels, without, stop)
-        if without is not None and promise is not None and rows is not None:
-            reused = self._try_reuse(rows, without, stop)
-        if without is None or promise is None or reused is None:
+        if without is None:
             return False
-        if reused.gain > max(REUSE_GAIN, (promise.gain / PROMISE) ** 2):
+        connected = GainEstimate() if pixels is None else self._try_light_paths(light_paths, pixels, without, stop)
+        if connected is None:
+            return False
+        reused = GainEstimate() if rows is None else self._try_reuse(rows, without, stop)
+        if reused is None:
+            return False
+        if reused.gain > max(REUSE_GAIN, (connected.gain / PROMISE) ** 2):
             self._film.clear()
             sample_allocation.begin_with(self._film, self._settings, reused.branches)
             self._reuse(reused.step)
-        elif promise.gain > GAIN:
+        elif connected.gain > GAIN:
             self._film.clear()
             self._light_paths = light_paths
         return True
@@ -223,19 +224,19 @@ class CpuRenderer:
 
     def _try_light_paths(
         self, light_paths: LightPaths, pixels: np.ndarray, without: Film, stop: Callable[[], bool]
-    ) -> Promise | None:
-        """What light paths promise, by these pixels; None if stopped before the end."""
+    ) -> GainEstimate | None:
+        """The gain of light paths, by these pixels; None if stopped before the end."""
         alone = Pilot.of(without, pixels)
         if not may_be_worthwhile(alone):
-            return Promise()
+            return GainEstimate()
         connected = self._trial(pixels, PILOT_SAMPLES, stop, light_paths)
-        return None if connected is None else Promise(gain(alone, Pilot.of(connected, pixels)))
+        return None if connected is None else GainEstimate(gain(alone, Pilot.of(connected, pixels)))
 
-    def _try_reuse(self, rows: np.ndarray, without: Film, stop: Callable[[], bool]) -> Promise | None:
-        """What path reuse promises, by these rows of pixels; None if stopped before the end."""
+    def _try_reuse(self, rows: np.ndarray, without: Film, stop: Callable[[], bool]) -> GainEstimate | None:
+        """The gain of path reuse, by these rows of pixels; None if stopped before the end."""
         always = self._settings.path_reuse is PathReuse.ALWAYS
         if not always and reuse_potential(without, self._settings) < LEAST_POTENTIAL:
-            return Promise()
+            return GainEstimate()
         step, shared = 0, None
         for workspace in self._workspaces:
             workspace.arrivals()[:] = 0
@@ -247,7 +248,7 @@ class CpuRenderer:
             if shared is None:
                 return None
         gain, branches = reuse_gain(without, shared, self._settings)
-        return Promise(np.inf if always else gain, step, branches)
+        return GainEstimate(np.inf if always else gain, step, branches)
 
     def _arrivals(self) -> np.ndarray:
         return np.concatenate([workspace.arrivals() for workspace in self._workspaces])
