@@ -143,10 +143,10 @@ class PackedScene:
             return np.zeros(3), np.zeros(3)
         return (center - half).min(axis=0), (center + half).max(axis=0)
 
-    def set_path_reuse(self, step: int) -> None:
+    def set_path_reuse(self, step: int, connects: bool = False) -> None:
         """Let the paths of neighbouring pixels share their branches; 0: not. Of so many paths, one shares an arrival
-        that is not diffuse."""
-        code = {"path_reuse_code": path_reuse_code.addresses(step > 0, (BLOCK, WORKSPACE))}
+        that is not diffuse. ``connects``: they share vertices of light paths, too."""
+        code = {"path_reuse_code": path_reuse_code.addresses(step > 0, connects, (BLOCK, WORKSPACE))}
         self._fill(code, {"reuses_paths": step > 0, "reuse_step": step})
 
     def set_light_paths(self, tables: dict[str, np.ndarray], scalars: dict[str, float]) -> None:

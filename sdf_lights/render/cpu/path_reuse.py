@@ -23,12 +23,15 @@ import math
 import numpy as np
 
 from ...jit import kernel
-from ...vec import ZERO, add, largest, mul, put, put_sum, scale, sub, vec
+from ...vec import ZERO, add, dot, largest, mul, put, put_sum, scale, sub, vec
 from ..kernels.film import add_sample, branches_before, branches_of, is_active, pixel_index, samples_due, samples_had
 from ..kernels.integrator import DIVIDES, GOES_ON, scatter, shade_and_scatter, trace_path
+from ..kernels.light_paths.connections import ROULETTE_SETS
+from ..kernels.light_paths.records import FOLLOW_ALL
 from ..kernels.next_event import sample_direct_light
 from ..kernels.path import (
     ARRIVES,
+    BEYOND,
     FIRST_BRANCH,
     FIRST_BRANCH_RAY,
     MIXTURE_SETS,
@@ -36,11 +39,14 @@ from ..kernels.path import (
     UNSHARED,
     VERTEX_SETS,
     WAITING,
+    WHITE,
     clear_sample,
     path_table,
     sample_table,
 )
+from ..kernels.path_reuse import dispatch as path_reuse
 from ..kernels.path_reuse.arrivals import LOOK_COST, SHADE_COST, copy_surface, is_reusable, look_from_all
+from ..kernels.path_reuse.vertices import part_of
 from ..kernels.path_reuse.records import (
     GROUP,
     GROUP_PATH,
@@ -67,6 +73,7 @@ MOST_STEP, MOST_TIME = 8, 4.0
 # Path splitting at such a surface: so many paths go on, each with a light ray. They take less time than its points, if
 # all share it.
 SPLITS = 2
+LEAST_PART = 0.1
 
 
 def supports_path_reuse(scene: Scene, packed: PackedScene) -> bool:
@@ -108,7 +115,7 @@ def keep_point(workspace, number, pixel, index, branches):
     put(point.throughput, vec(path.throughput))
     point.least_pdf = path.least_pdf
     point.branches, point.pixel, point.index = branches, pixel, index
-    point.sum = point.squares = point.brought = 0.0
+    point.sum = point.squares = point.brought = point.connected_noise = 0.0
 
 
 @kernel
@@ -234,6 +241,33 @@ def follow_split(block, workspace):
 
 
 @kernel
+def leave_to_vertices(block, workspace, source):
+    """Leave to vertices of light paths what these bring of the light of the arrival, from a branch of the point
+    ``source``: whether that one sees it. The path that waits goes on with what is left, or ends, by the ``scale`` of
+    the arrival, with the chance that this is expected to leave over."""
+    arrival, path, points = arrival_table(workspace)[0], path_table(workspace)[WAITING], point_table(workspace)
+    found, branches = path_reuse.density_of_vertices(block, workspace), 0
+    if not found > 0.0:
+        return look_from_all(block, workspace, source, 1)
+    for number in range(arrival.points):
+        branches += points[number].branches
+    way = sub(vec(arrival.position), vec(path.origin))
+    square = dot(way, way)
+    expected = branches * path.pdf * abs(dot(vec(arrival.normal), way)) / (square * math.sqrt(square))
+    survival = max(1.0 - part_of(found, expected), block.light_path_roulette, LEAST_PART) if expected > 0.0 else 1.0
+    if survival < 1.0:
+        goes_on = get_1d(path.index, path.seed, path.dimension + ROULETTE_SETS) < survival
+        arrival.scale *= 1.0 / survival if goes_on else 0.0
+        if not goes_on:
+            return False
+    if not look_from_all(block, workspace, source, 1):
+        return False
+    path.connects, path.follow = BEYOND, FOLLOW_ALL
+    put(path.followed_weight, scale(WHITE, part_of(found, arrival.density)))
+    return True
+
+
+@kernel
 def share_arrival(block, workspace, source):
     """Share the light of the arrival from a branch of the point ``source``."""
     paths, samples, arrival = path_table(workspace), sample_table(workspace), arrival_table(workspace)[0]
@@ -243,7 +277,12 @@ def share_arrival(block, workspace, source):
     offset = 0.0 if arrival.even else get_1d(paths[0].index, paths[0].seed, paths[0].dimension + MIXTURE_SETS)
     arrival.number += 1
     arrival.uneven += 1 - arrival.even
-    for split in range(splits):
+    if block.light_paths and arrival.even and arrival.connects:
+        looked = leave_to_vertices(block, workspace, source)
+    elif block.light_path_all and arrival.connects and block.light_paths:
+        found = path_reuse.density_of_vertices(block, workspace) / block.reuse_step
+        arrival.connected = part_of(found, arrival.density)
+    for split in range(splits if arrival.scale > 0.0 else 0):
         paths[0] = paths[WAITING]
         paths[0].index, paths[0].branch_weight = paths[WAITING].index * splits + split, 1.0 / splits
         if not arrival.even:
@@ -306,7 +345,7 @@ def begin_pixel(block, workspace, x, y, pixel, index, count, stored):
             paths[GROUP_START] = paths[0]
         if is_reusable(workspace) and same_bounces(paths[0], paths[GROUP_START]):
             keep_point(workspace, count, pixel, index, branches)
-            divide_path(block, workspace, branches, before)
+            divide_path(block, workspace, branches, before, False)
             add_spread(workspace, branches)
             samples[GROUP_SAMPLE + count] = samples[0]
             return keep_branches(workspace, count, branches, stored)
@@ -323,7 +362,7 @@ def finish_group(block, workspace, count, branches):
         samples[0], point = samples[GROUP_SAMPLE + number], points[number]
         # The scatter of the group's arrivals, as if so many branches of the pixel itself had left that noise.
         noise = max(point.squares - point.sum * point.sum / branches, 0.0) * branches / max(branches - 1.0, 1.0)
-        samples[0].spread += (point.branches - 1.0) * point.branches * noise
+        samples[0].spread += (point.branches - 1.0) * point.branches * (noise + point.connected_noise)
         add_sample(block, workspace, point.pixel, point.index)
 
 
@@ -350,6 +389,8 @@ def render_group(block, workspace, tile, x0, y0, wide, group, number):
             branches += points[count].branches
             count, stored = count + 1, kept
     arrival_table(workspace)[0].points = count
+    if block.light_paths and count > 0:
+        path_reuse.connect_points(block, workspace)
     for at in range(stored):
         follow_branch(block, workspace, at)
     finish_group(block, workspace, count, branches)

@@ -111,7 +111,7 @@ def follow_branches(block, workspace, branches, first_branch):
     if branches == 1 and not block.light_paths:
         follow_only_branch(block, workspace, first_branch)
         return
-    divide_path(block, workspace, branches, first_branch)
+    divide_path(block, workspace, branches, first_branch, block.light_paths != 0)
     light = brightness(sample)
     for branch in range(branches):
         if paths[FIRST_BRANCH + branch].alive:
@@ -140,13 +140,13 @@ def add_spread(workspace, branches):
 
 
 @kernel
-def divide_path(block, workspace, branches, first_branch):
+def divide_path(block, workspace, branches, first_branch, connects):
     """Scatter the path of the workspace as so many branches, follow them to their next surfaces, and end some of
-    them."""
+    them. ``connects``: whether it is connected to vertices of light paths."""
     paths, sample = path_table(workspace), sample_table(workspace)[0]
     paths[WAITING] = paths[0]
     save_state(block, workspace, WAITING)
-    if block.light_paths:
+    if connects:
         paths[WAITING].choice, paths[WAITING].connections = 0, block.light_path_connections
         light_paths.choose(block, workspace)
         sample.cuts += 1  # that takes as long as the boxes of a lamp
@@ -155,12 +155,12 @@ def divide_path(block, workspace, branches, first_branch):
         paths[0] = paths[WAITING]
         restore_state(block, workspace, WAITING)
         paths[0].index, paths[0].branch_weight = first_branch + branch, 1.0 / branches
-        if block.light_paths:
+        if connects:
             light_paths.connect(block, workspace)
             sample.met += CONNECTION_COST * block.light_path_connections + WEIGHTS_COST
         paths[0].alive = int(scatter(block, workspace))
         paths[0].scale = largest(vec(paths[0].throughput))
-        if block.light_paths and paths[0].alive and paths[0].pdf > 0.0 and paths[0].event != AT_EXIT:
+        if connects and paths[0].alive and paths[0].pdf > 0.0 and paths[0].event != AT_EXIT:
             paths[0].connects = BEFORE
             put(paths[0].connection_weight, WHITE)
         paths[0].brought = brightness(sample) - light

@@ -92,7 +92,7 @@ def _paths() -> tuple[list, Callable[[], None]]:
     def run() -> None:
         scene = _scene(lamps=False)
         CpuRenderer(scene, Film(scene, ()), lambda: False, lambda text: None)
-        path_reuse_code.addresses(True, (BLOCK, WORKSPACE))
+        path_reuse_code.addresses(True, False, (BLOCK, WORKSPACE))
 
     return [render_tile, render_tile_reusing, *(kernel for kernel, _ in path_reuse_code.KERNELS.values())], run
 

@@ -27,13 +27,15 @@ from .path_splitting import render_tile
 from .pilot import (
     GAIN,
     LEAST_POTENTIAL,
+    LEAST_SHARED,
     LEAST_SAMPLES,
     MOST_OF_ROWS,
-    PROMISE,
     REUSE_GAIN,
     ROWS_BRANCHES,
+    SHARED_PROMISE,
     GainEstimate,
     Pilot,
+    brought,
     gain,
     is_affordable,
     may_be_worthwhile,
@@ -125,10 +127,10 @@ class CpuRenderer:
         self._may_reuse = supports_path_reuse(scene, packed)
         self._reuse(0)
 
-    def _reuse(self, step: int) -> None:
+    def _reuse(self, step: int, connects: bool = False) -> None:
         """Let the paths of neighbouring pixels share their branches from now on, as ``PackedScene.set_path_reuse``."""
         self._reuses = step > 0
-        self._packed.set_path_reuse(step)
+        self._packed.set_path_reuse(step, connects)
 
     def interrupt(self) -> None:
         """Stop sampling within milliseconds, if ``stop`` also returns True then. Other threads may call this."""
@@ -173,12 +175,14 @@ class CpuRenderer:
         return True
 
     def _choose(self, stop: Callable[[], bool]) -> bool:
-        """Use light paths or path reuse, as the settings say, or where it pays; never both, as connections leave little
-        to share. The film begins anew if a measurement decides for one. Returns False if stopped before the end."""
+        """Use light paths, path reuse or both, as the settings say, or where they pay. The film begins anew if a
+        measurement decides for any. Returns False if stopped before the end."""
         light_paths, self._light_paths = self._light_paths, None
         self._reuse(0)
         if light_paths is not None and not light_paths.automatic:
             self._light_paths = light_paths
+            if self._may_reuse and self._settings.path_reuse is PathReuse.ALWAYS:
+                self._reuse(MOST_STEP, True)
             return True
         pixels = self._pilot_pixels(light_paths) if light_paths is not None else None
         rows = self._rows_to_reuse()
@@ -194,11 +198,18 @@ class CpuRenderer:
         reused = GainEstimate() if rows is None else self._try_reuse(rows, without, stop)
         if reused is None:
             return False
-        if reused.gain > max(REUSE_GAIN, (connected.gain / PROMISE) ** 2):
+        shared = GainEstimate()
+        if connected.gain > 0.0 and reused.gain > LEAST_SHARED:
+            shared = self._share(rows, without, reused.step, stop, light_paths)
+            if shared is None:
+                return False
+        best = max(shared, reused, key=lambda estimate: estimate.gain)
+        if best.gain > max(REUSE_GAIN, connected.gain):
             self._film.clear()
-            sample_allocation.begin_with(self._film, self._settings, reused.branches)
-            self._reuse(reused.step)
-        elif connected.gain > GAIN:
+            sample_allocation.begin_with(self._film, self._settings, best.branches)
+            self._reuse(best.step, best is shared)
+            self._light_paths = light_paths if best is shared else None
+        elif connected.gain > 0.0:
             self._film.clear()
             self._light_paths = light_paths
         return True
@@ -230,25 +241,37 @@ class CpuRenderer:
         if not may_be_worthwhile(alone):
             return GainEstimate()
         connected = self._trial(pixels, PILOT_SAMPLES, stop, light_paths)
-        return None if connected is None else GainEstimate(gain(alone, Pilot.of(connected, pixels)))
+        if connected is None:
+            return None
+        promise = gain(alone, Pilot.of(connected, pixels))
+        return GainEstimate(brought(promise, light_paths.has_lamps()) if promise > GAIN else 0.0)
 
     def _try_reuse(self, rows: np.ndarray, without: Film, stop: Callable[[], bool]) -> GainEstimate | None:
         """The gain of path reuse, by these rows of pixels; None if stopped before the end."""
         always = self._settings.path_reuse is PathReuse.ALWAYS
         if not always and reuse_potential(without, self._settings) < LEAST_POTENTIAL:
             return GainEstimate()
-        step, shared = 0, None
+        step, found = 0, None
         for workspace in self._workspaces:
             workspace.arrivals()[:] = 0
-        while step != (found := step_for(self._arrivals()) if step else MOST_STEP):
-            step = found
-            self._reuse(step)
-            shared = self._trial(rows, 1, stop, most_branches=ROWS_BRANCHES)
-            self._reuse(0)
-            if shared is None:
+        while step != (wanted := step_for(self._arrivals()) if step else MOST_STEP):
+            step = wanted
+            found = self._share(rows, without, step, stop)
+            if found is None:
                 return None
-        gain, branches = reuse_gain(without, shared, self._settings)
-        return GainEstimate(np.inf if always else gain, step, branches)
+        return GainEstimate(np.inf, step, found.branches) if always else found
+
+    def _share(
+        self, rows: np.ndarray, without: Film, step: int, stop: Callable[[], bool], light_paths: LightPaths | None = None
+    ) -> GainEstimate | None:
+        """The gain of path reuse with this step, with ``light_paths`` or without; None if stopped before the end."""
+        self._reuse(step, light_paths is not None)
+        shared = self._trial(rows, 1, stop, light_paths, ROWS_BRANCHES)
+        self._reuse(0)
+        if shared is None:
+            return None
+        promise, branches = reuse_gain(without, shared, self._settings)
+        return GainEstimate(promise if light_paths is None else promise / SHARED_PROMISE, step, branches)
 
     def _arrivals(self) -> np.ndarray:
         return np.concatenate([workspace.arrivals() for workspace in self._workspaces])

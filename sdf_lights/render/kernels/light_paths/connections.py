@@ -50,6 +50,7 @@ from .records import (
 RELIEF = 0.125
 LEAST_LEFT = 0.3  # part of the light that connections before have left, from which on a path is connected again
 LATER = 1  # row of choices of a surface after the one where the path split
+SHARED_BROAD = 1.0
 BROAD = 1.0  # density (1/sr) of scattering up to which connections take all light; of diffuse scattering it is 1/π
 CONNECTION_SETS, KIND_SETS, ROULETTE_SETS = 1 << 25, 1 << 26, 1 << 27  # of random numbers, beside those of path.py
 
@@ -69,6 +70,12 @@ def weight(block, workspace, x, n, pdf, y, normal, wi, distance):
 def left_by_lobes(density):
     """s, where y scatters light with this density: sharp lobes are left to paths, which sample them."""
     return BROAD / max(density, BROAD)
+
+
+@kernel
+def left_if_shared(density):
+    """As ``left_by_lobes``, where all points of a group share a vertex."""
+    return SHARED_BROAD / max(density, SHARED_BROAD)
 
 
 @kernel
@@ -100,7 +107,7 @@ def connect(block, workspace, _):
 
 
 @kernel
-def _reaches(block, path, vertex, here, there):
+def reaches(block, path, vertex, here, there):
     """Whether a path from the camera would have come from here to the light beyond the vertex, by its limits:
     ``here`` and ``there`` are 1 where it would have counted the bounce at either end as glossy, 0 as diffuse. All that
     a surface passes on counts as transmission."""
@@ -157,7 +164,7 @@ def _connect_with(block, workspace, x, n, vertex, factor, kinds):
     if average(value) <= 0.0:
         return
     u, v = kinds
-    if not _reaches(block, path, vertex, int(u * density < glossy_pdf), int(v * density_there < glossy_there)):
+    if not reaches(block, path, vertex, int(u * density < glossy_pdf), int(v * density_there < glossy_there)):
         return
     start = spawn_ray(workspace, surface_table(workspace)[0], wi)
     direction, t_max = shadow_ray(x, start, wi, distance)

@@ -50,6 +50,7 @@ NODE = np.dtype(
         ("top", "i8"),  # place among the nodes that a point chooses among at first; −1: none
         ("first", "i8"),  # of the vertices of the pass
         ("count", "i8"),
+        ("known", "i8"),  # of the vertices that the tree was made from
     ],
     align=True,
 )
@@ -86,8 +87,9 @@ SCALARS = [
     ("light_path_all", np.int64),  # 1: all light that a path finds beyond a connection is of light paths, too
 ]
 WORKSPACE_TABLES = {"light_path_choice": CHOICE}
-# Of the surface where the path splits, and of a later one.
-WORKSPACE_COUNTS = {"light_path_choice": 2}
+# Of the surface where the path splits, of a later one, and of some points of a group that shares vertices.
+FIRST_OF_GROUP, REPRESENTATIVES = 2, 4
+WORKSPACE_COUNTS = {"light_path_choice": FIRST_OF_GROUP + REPRESENTATIVES}
 
 node_table = table("light_path_nodes", NODE)
 top_table = table("light_path_tops", np.int64)

@@ -21,6 +21,7 @@ from .records import choice_table, node_table, top_table
 NEAR = 0.5  # part of its distance beyond which the spread of a node makes a point go down to a child
 LEAST = 0.3  # of the spread: what a cosine times the distance counts at least, where some vertex may be in front
 BENDING = 0.05  # variance of the normals from which on a node is split by them
+FINEST = 12  # vertices of a node whose area still tells a density
 FEWEST = 4  # vertices of a node that is split
 REACH = 1.5  # radii of a node around its centroid beyond which a place belongs to no vertex that is known
 
@@ -74,16 +75,22 @@ def side_of(node, position, normal):
 @kernel
 def choose(block, workspace, row):
     """Find what the surface of the workspace expects of each top node, for this row of choices."""
-    surface, choice = surface_table(workspace)[0], choice_table(workspace)[int(row)]
-    nodes, tops = node_table(block), top_table(block)
-    x, n, total = vec(surface.position), vec(surface.n), 0.0
+    surface = surface_table(workspace)[0]
+    expect(block, workspace, int(row), vec(surface.position), vec(surface.n))
+    return 0.0
+
+
+@kernel
+def expect(block, workspace, row, x, n):
+    """Find what the point x with normal n expects of each top node, for this row of choices; returns the sum."""
+    choice, nodes, tops, total = choice_table(workspace)[row], node_table(block), top_table(block), 0.0
     choice.count = len(tops)
     for index in range(len(tops)):
         weight = expectation(nodes[tops[index]], x, n)
         choice.weight[index] = weight
         total += weight
     choice.total = total
-    return 0.0
+    return total
 
 
 @kernel
@@ -139,13 +146,19 @@ def density(block, workspace, row, x, n, y, normal):
     off = sub(y, vec(node.centroid))
     if dot(off, off) > (REACH * node.radius) ** 2:
         return 0.0
-    return probability / node.area
+    known = node.known
+    while node.axis >= 0:
+        inside = nodes[node.child + side_of(node, y, normal)]
+        if inside.known < FINEST:
+            break
+        node = inside
+    return probability * node.known / (known * node.area)
 
 
 @kernel
 def _measure(node, vertices, order, first, count):
     """Fill a node from its vertices."""
-    node.first, node.count, node.axis, node.top = first, count, -1, -1
+    node.first, node.count, node.known, node.axis, node.top = first, count, count, -1, -1
     flux = 0.0
     for axis in range(3):
         node.centroid[axis] = node.normal[axis] = 0.0

@@ -17,6 +17,8 @@ from __future__ import annotations
 from ....jit import kernel
 from ....vec import ZERO, dot, largest, length, madd, negate, put, scale, sub, vec
 from ..geometry import TRIANGLES, instance_table, shading_material_table, surface_at
+from ..light_paths.connections import left_if_shared
+from ..light_paths.records import CONNECTS, material_table
 from ..path import MIXED, REUSED, UNSHARED, WHITE, path_table, sample_table
 from ..ray_origins import spawn_ray
 from ..rays import SHADOW_OPAQUE, occluded
@@ -24,6 +26,7 @@ from ..shading import evaluate, has_lobes, shade, transmits
 from ..shading.caustics import blur_lobes
 from ..shading.records import (
     DEPENDS_ON_VIEW,
+    DIFFUSE,
     GLOSSY,
     LAMBERT,
     MICROFACET,
@@ -57,6 +60,19 @@ def is_reusable(workspace):
 
 
 @kernel
+def is_even(block, workspace, flags):
+    """Whether the surface of the workspace, whose material has these ``flags``, scatters the same light in all
+    directions."""
+    surface, closures = surface_table(workspace)[0], closure_table(workspace)
+    if flags & (DEPENDS_ON_VIEW | NEEDS_RAY | TRACES_RAYS) or not is_reusable(workspace):
+        return False
+    for index in range(surface.closure_count):
+        if closures[index].kind != LAMBERT:
+            return False
+    return surface.evaluable == surface.closure_count
+
+
+@kernel
 def copy_surface(workspace, other):
     """Copy the surface of a workspace, with its closures, to another."""
     surface, closures = surface_table(workspace)[0], closure_table(workspace)
@@ -72,7 +88,7 @@ def arrive(block, workspace, _):
     Its sample, as it is now, goes to row ``path.row``. The path goes on as if the camera saw the surface, so its sample
     will be the radiance from there: towards the point of the branch (REUSED), or of the mixture of all points (MIXED).
     """
-    path, surface, closures = path_table(workspace)[0], surface_table(workspace)[0], closure_table(workspace)
+    path, surface = path_table(workspace)[0], surface_table(workspace)[0]
     path.reused = UNSHARED
     if path.last or surface.evaluable < surface.closure_count or not is_reusable(workspace):
         return 0.0
@@ -82,10 +98,9 @@ def arrive(block, workspace, _):
     if flags & (NEEDS_RAY | TRACES_RAYS):
         return 0.0
     arrival, samples = arrival_table(workspace)[0], sample_table(workspace)
-    arrival.even = int(flags & DEPENDS_ON_VIEW == 0)
-    for index in range(surface.closure_count):
-        if closures[index].kind != LAMBERT:
-            arrival.even = 0
+    arrival.connected = 0.0
+    arrival.even = int(is_even(block, workspace, flags))
+    arrival.connects = int(block.light_paths and material_table(block)[surface.material] & CONNECTS != 0)
     put(arrival.position, vec(surface.position))
     put(arrival.normal, vec(surface.ng))
     arrival.u, arrival.v = surface.barycentric[0], surface.barycentric[1]
@@ -116,7 +131,7 @@ def look_at_arrival(block, workspace, number):
     if cosine <= 0.0 or dot(vec(surface.ng), wi) <= 0.0:
         return
     value, pdf, glossy_pdf = evaluate(block, own, wi, SCATTERED)
-    of_kind = glossy_pdf if arrival.kind == GLOSSY else pdf - glossy_pdf
+    of_kind = pdf if arrival.kind & DIFFUSE and arrival.kind & GLOSSY else glossy_pdf if arrival.kind & GLOSSY else pdf - glossy_pdf
     if not of_kind > 0.0:
         return
     start = spawn_ray(workspace, surface, wi)
@@ -126,7 +141,7 @@ def look_at_arrival(block, workspace, number):
     geometry = cosine / (distance * distance)
     put(point.direction, wi)
     put(point.value, scale(value, of_kind / pdf * geometry))
-    point.pdf, point.area_pdf, point.visible = pdf, of_kind * geometry, 1
+    point.pdf, point.area_pdf, point.part, point.visible = pdf, of_kind * geometry, glossy_pdf / pdf, 1
 
 
 @kernel
@@ -215,6 +230,8 @@ def evaluate_arrival(block, workspace, x, y, z, kinds, ray):
             value, pdf, glossy_pdf = evaluate(block, point_workspaces(workspace)[GROUP + number], wi, int(kinds))
             part = part_of_kind(kind, pdf, glossy_pdf)
             value = scale(value, part)
+            if arrival.connected > 0.0:
+                value = scale(value, 1.0 - arrival.connected * left_if_shared(pdf))
             if kind == BY_LIGHT:
                 put(point.by_light, value)
             else:

@@ -19,7 +19,7 @@ SIDE = 8
 GROUP = SIDE * SIDE  # pixels whose paths share their branches
 
 # A surface where a branch has arrived: a point of a triangle that a ray of this ``kind`` has met. ``even``: 1 if it
-# scatters the same light in all directions. ``scale`` is a factor of its light, by Russian roulette. With the
+# scatters the same light in all directions. ``connects``: 1 if light paths leave vertices there. ``scale`` is a factor of its light, by Russian roulette. With the
 # ``throughput`` (RGB) its light is a part of the branch's own sample. ``points`` is the number of points of the group,
 # and ``density`` that of all their branches that may have found it, by area. Where it is not even: whether any point
 # sees a surface that is ``two_sided``, or that ``has_glossy`` lobes, and the means of what ``POINT`` has.
@@ -34,6 +34,7 @@ ARRIVAL = np.dtype(
         ("primitive", "i8"),
         ("kind", "i8"),
         ("even", "i8"),
+        ("connects", "i8"),
         ("number", "i8"),
         ("uneven", "i8"),
         ("scale", "f8"),
@@ -42,6 +43,7 @@ ARRIVAL = np.dtype(
         ("density", "f8"),
         ("two_sided", "i8"),
         ("has_glossy", "i8"),
+        ("connected", "f8"),
         ("by_light", "f8", 3),
         ("onward", "f8", 3),
     ],
@@ -63,6 +65,7 @@ POINT = np.dtype(
         ("brought", "f8"),
         ("sum", "f8"),
         ("squares", "f8"),
+        ("connected_noise", "f8"),
         ("visible", "i8"),
         ("direction", "f8", 3),
         ("value", "f8", 3),
