@@ -19,11 +19,12 @@ from ....vec import ZERO, dot, largest, length, madd, negate, put, scale, sub, v
 from ..geometry import TRIANGLES, instance_table, shading_material_table, surface_at
 from ..path import MIXED, REUSED, UNSHARED, WHITE, path_table, sample_table
 from ..ray_origins import spawn_ray
-from ..rays import SHADOW_OPAQUE, occluded
+from ..rays import occluded, start_anew
 from ..shading import evaluate, has_lobes, shade, transmits
-from ..shading.caustics import blur_lobes
+from ..shading.caustics import blur_lobes, darken_microfacets
 from ..shading.records import (
     DEPENDS_ON_VIEW,
+    DIFFUSE,
     GLOSSY,
     LAMBERT,
     MICROFACET,
@@ -57,6 +58,13 @@ def is_reusable(workspace):
 
 
 @kernel
+def is_shareable(workspace):
+    """Whether a surface that a branch has met ``is_reusable``, and has no mirrors or clear glass."""
+    surface = surface_table(workspace)[0]
+    return surface.evaluable >= surface.closure_count and is_reusable(workspace)
+
+
+@kernel
 def copy_surface(workspace, other):
     """Copy the surface of a workspace, with its closures, to another."""
     surface, closures = surface_table(workspace)[0], closure_table(workspace)
@@ -74,7 +82,7 @@ def arrive(block, workspace, _):
     """
     path, surface, closures = path_table(workspace)[0], surface_table(workspace)[0], closure_table(workspace)
     path.reused = UNSHARED
-    if path.last or surface.evaluable < surface.closure_count or not is_reusable(workspace):
+    if path.last or not is_shareable(workspace):
         return 0.0
     if instance_table(block)[surface.instance].primitive != TRIANGLES:
         return 0.0
@@ -102,7 +110,11 @@ def arrive(block, workspace, _):
 
 @kernel
 def look_at_arrival(block, workspace, number):
-    """Let a point of the group look at the arrival, and note what it would scatter of its light."""
+    """Let a point of the group look at the arrival, and note what it would scatter of its light.
+
+    What blocks its view is what a ray of the arrival's kind meets, be it transparent or not: of behind that, no branch
+    brings anything to share.
+    """
     arrival, point = arrival_table(workspace)[0], point_table(workspace)[number]
     own = point_workspaces(workspace)[number]
     surface = surface_table(own)[0]
@@ -119,9 +131,10 @@ def look_at_arrival(block, workspace, number):
     of_kind = glossy_pdf if arrival.kind == GLOSSY else pdf - glossy_pdf
     if not of_kind > 0.0:
         return
+    start_anew(block, workspace)
     start = spawn_ray(workspace, surface, wi)
     direction, t_max = shadow_ray(x, start, wi, distance)
-    if occluded(block, workspace, start, direction, 0.0, t_max, SHADOW_OPAQUE):
+    if occluded(block, workspace, start, direction, 0.0, t_max, arrival.kind):
         return
     geometry = cosine / (distance * distance)
     put(point.direction, wi)
@@ -165,17 +178,24 @@ def shade_arrival(block, workspace, number):
         footprint,
     )
     shade(block, secondary)
+    if arrival.kind == DIFFUSE and block.caustics != GLOSSY | TRANSMISSION:
+        darken_microfacets(secondary, block.caustics)
     blur_lobes(block, secondary, min(point.least_pdf, point.pdf))
 
 
 @kernel
 def mix(block, workspace, source):
-    """Shade the arrival from a branch of the point ``source`` as all points see it: False if that one does not."""
+    """Shade the arrival from a branch of the point ``source`` as all points see it: False if that one does not.
+
+    A point may see a surface that cannot be shared, such as one that is transparent at a grazing angle. It leaves the
+    arrival to the others then.
+    """
     arrival, points, step = arrival_table(workspace)[0], point_table(workspace), int(block.reuse_step)
     arrival.two_sided = arrival.has_glossy = 0
     if not look_from_all(block, workspace, source, step):
         return False
     sample_table(workspace)[0].met += SHADE_COST * arrival.points / step
+    left_out = False
     for number in range(arrival.points):
         point = points[number]
         if point.visible:
@@ -185,6 +205,17 @@ def mix(block, workspace, source):
             else:
                 shade_arrival(block, workspace, number)
                 copy_surface(secondary_table(workspace)[0], seen)
+                if not is_reusable(seen):
+                    point.visible, left_out = 0, True
+    if left_out:
+        arrival.density = 0.0
+        for number in range(arrival.points):
+            if points[number].visible:
+                arrival.density += points[number].branches * points[number].area_pdf
+    for number in range(arrival.points):
+        point = points[number]
+        if point.visible:
+            seen = point_workspaces(workspace)[GROUP + number]
             point.part = point.branches * point.area_pdf / arrival.density
             arrival.two_sided |= int(transmits(seen))
             arrival.has_glossy |= int(has_lobes(seen))
