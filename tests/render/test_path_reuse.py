@@ -133,16 +133,29 @@ def leaves(width: int, height: int):
     return scene
 
 
+def mirrors(width: int, height: int):
+    """A rough floor, whose rays meet a wall with a mirror: Filter Glossy blurs that for some of its points alone."""
+    scene = torus_room(width, height)
+    scene.materials.append(material("glossy", "rough", color=(0.8, 0.8, 0.8), roughness=0.4))
+    scene.instances[0].materials = (len(scene.materials) - 1,)
+    mirror = Node("glossy", {"color": (0.9, 0.9, 0.9), "roughness": 0.0})
+    wall = Node("mix_closure", {"factor": 0.7, "a": Node("diffuse", {"color": (0.5, 0.5, 0.5)}), "b": mirror})
+    scene.materials.append(Material("mirror", wall))
+    scene.instances[2].materials = (len(scene.materials) - 1,)
+    scene.lamps[0].matrix = translation(0.0, -1.0, 1.2) @ scaling(0.3, 0.3, 0.3)
+    return scene
+
+
 def by_area(scene) -> None:
     scene.lamps.clear()
     scene.lights.append(AreaLight("area", translation(0.5, -0.5, 2.8), 60.0, size=(0.8, 0.4)))
 
 
-def assert_only_noise_differs(least: float, **changes) -> None:
+def assert_only_noise_differs(least: float, seeds: int = 24, **changes) -> None:
     """Means of the whole and of blocks over 24 renders each agree within 4.5 standard errors: by chance, one set of
     seeds in a hundred would not. The variance is less than the part ``least``."""
     fixed = dict(samples=8, indirect_paths=4, guided_samples=False) | changes
-    found = [np.array([picture(each, seed=seed, **fixed) for seed in range(24)]) for each in (WITHOUT, ALWAYS)]
+    found = [np.array([picture(each, seed=seed, **fixed) for seed in range(seeds)]) for each in (WITHOUT, ALWAYS)]
     for one, other in zip(*(means(each) for each in found)):
         error = np.sqrt((one.var(axis=0, ddof=1) + other.var(axis=0, ddof=1)) / len(one))
         assert np.all(np.abs(other.mean(axis=0) - one.mean(axis=0)) < 4.5 * error + 1e-9)
@@ -159,8 +172,9 @@ def assert_only_noise_differs(least: float, **changes) -> None:
         pytest.param(things, dict(change=by_area), marks=pytest.mark.slow),
         (things, dict(filter_glossy=1.0, max_bounces=12, diffuse_bounces=2, glossy_bounces=1)),
         pytest.param(things, dict(samples=32, indirect_paths=0, guided_samples=True), marks=pytest.mark.slow),
+        pytest.param(mirrors, dict(filter_glossy=1.0, max_bounces=4, seeds=48), marks=pytest.mark.slow),
     ],
-    ids=["things", "facing", "area", "limits", "allocated"],
+    ids=["things", "facing", "area", "limits", "allocated", "mirrors"],
 )
 def test_path_reuse_changes_the_noise_alone(build, changes):
     assert_only_noise_differs(0.6, build=build, **changes)

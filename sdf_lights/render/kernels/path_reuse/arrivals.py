@@ -205,7 +205,7 @@ def mix(block, workspace, source):
             else:
                 shade_arrival(block, workspace, number)
                 copy_surface(secondary_table(workspace)[0], seen)
-                if not is_reusable(seen):
+                if not is_shareable(seen):
                     point.visible, left_out = 0, True
     if left_out:
         arrival.density = 0.0
