@@ -200,7 +200,7 @@ SPECIAL = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", SPECIAL)
+@pytest.mark.parametrize("name", [name for name in SPECIAL if name != "changing lamps"])  # those take long to build
 def test_special_scenes_differ_by_noise_alone(name):
     build, changes = SPECIAL[name]
     assert_only_noise_differs(0.8, build=build, size=(32, 24), **changes)

@@ -12,6 +12,10 @@ T_i is the throughput of the path to x_i, b_k the number of branches of the poin
 which its BSDF draws y. The sum has the points that see y (balance heuristic). Where y is not diffuse, L depends on the
 direction: see ``kernels.path_reuse.arrivals``.
 
+A point shares an arrival if a ray of it meets that first. What is found behind a transparent surface, or behind one
+that bounds a medium, belongs to the branch alone. So does all that the density is not known of: see ``can_share`` and
+``arrivals.is_shareable``.
+
 Diffuse and glossy rays have limits of bounces of their own, so p_k(y) is the density of rays of the arrival's kind, and
 the point scatters by the part of f_i that this kind has of the density.
 """
