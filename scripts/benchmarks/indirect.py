@@ -31,11 +31,11 @@ from .turns import in_turns, stack_of, work_of
 
 HELP = "the gain of light paths and path reuse in rooms that are lit by way of walls, and what they lose elsewhere"
 
-ROOMS, LIGHTS = tuple(indirect_rooms.ROOMS), tuple(indirect_rooms.LIGHTS)
+ROOMS, LIGHTS, THINGS = tuple(indirect_rooms.ROOMS), tuple(indirect_rooms.LIGHTS), tuple(indirect_rooms.THINGS)
 STAGES = (*lamp_scenes.THE_FIVE, "room")
 INTERIORS = indirect_rivals.INTERIORS
 ORDINARY = (*INTERIORS, "street")
-SCENES = (*ROOMS, *LIGHTS, *STAGES, *ORDINARY)
+SCENES = (*ROOMS, *LIGHTS, *THINGS, *STAGES, *ORDINARY)
 QUICK = ("cove", "sign", "S1", "S2", "kitchen")  # each summary has one, in two minutes
 BOUNCES = 4  # of scenes of lamps
 SIZE, QUICK_SIZE = 128, 64
@@ -73,8 +73,8 @@ def measure(name: str, options) -> dict:
     """The row of a scene."""
     build = indirect_rivals.build_interior if name in INTERIORS else allocation.build
     size = INTERIORS_SIZE if name in INTERIORS else QUICK_SIZE if options.quick else SIZE
-    scene = (indirect_rooms.build if name in (*ROOMS, *LIGHTS) else build)(name, size)
-    samples = LIGHTS_SAMPLES if name in (*LIGHTS, *INTERIORS) else QUICK_SAMPLES if options.quick else SAMPLES
+    scene = (indirect_rooms.build if name in (*ROOMS, *LIGHTS, *THINGS) else build)(name, size)
+    samples = LIGHTS_SAMPLES if name in (*LIGHTS, *THINGS, *INTERIORS) else QUICK_SAMPLES if options.quick else SAMPLES
     seeds = max(options.repeats or (QUICK_SEEDS if options.quick else SEEDS), 2)
     for variant in (WITHOUT, AUTOMATIC):
         _render(name, scene, variant, 2, 0, options.device)  # compiles, and fills caches
@@ -102,7 +102,7 @@ def _rivals(name: str, device: str) -> dict[str, indirect_rivals.Rival]:
             cycles=indirect_rivals.by_cycles(BOUNCES, surfaces=True),
             cycles_guided=indirect_rivals.by_cycles(BOUNCES, surfaces=True, guiding=True),
         )
-    if name in LIGHTS:
+    if name in (*LIGHTS, *THINGS):
         return dict(cycles=indirect_rivals.by_cycles(BOUNCES))
     if name in lamp_scenes.THE_FIVE:
         return dict(cycles=indirect_rivals.by_cycles(BOUNCES), paper=indirect_rivals.by_paper(BOUNCES, device))
@@ -154,7 +154,9 @@ def summary_of(rows: list[dict]) -> dict:
     """
     rooms = [row["gain"] for row in rows if row["indirect_scene"] in ROOMS]
     summary = dict(loss_max=max(1.0 / row["gain"] for row in rows))
-    summary["used_elsewhere"] = sum(row["used"] for row in rows if row["indirect_scene"] not in (*ROOMS, *LIGHTS))
+    summary["used_elsewhere"] = sum(
+        row["used"] for row in rows if row["indirect_scene"] not in (*ROOMS, *LIGHTS, *THINGS)
+    )
     if rooms:
         summary |= dict(rooms_gain_min=min(rooms), rooms_gain_geomean=statistics.geometric_mean(rooms))
     lights = [row["gain"] for row in rows if row["indirect_scene"] in LIGHTS]

@@ -7,7 +7,9 @@ from __future__ import annotations
 import math
 
 import bpy
-from scenery.modelling import add, box
+from scenery.modelling import add, box, plane
+
+from sdf_lights.blender.shader_trees import use_nodes
 
 from . import lamp_meshes, simple_scenes
 from .lamp_scenes import INTENSITY, add_lamp, marched, show, turned
@@ -137,12 +139,71 @@ def _spot_on_wall(size: int) -> None:
     _add_light("SPOT", (0.0, 1.5, 1.5), 200.0, 110.0, spot_size=math.radians(80.0), shadow_soft_size=0.05)
 
 
+def _ball(surface):
+    """A ball on the table."""
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=48, ring_count=24, radius=0.3, location=(-0.6, 0.6, 1.05))
+    thing = bpy.context.object
+    thing.data.materials.append(surface)
+    return thing
+
+
+def _moving_ball(size: int) -> None:
+    """A ball that rolls during the exposure."""
+    _spot_on_wall(size)
+    scene, thing = bpy.context.scene, _ball(_paint("Ball", (0.7, 0.2, 0.1)))
+    for frame, x in ((0, -0.8), (2, 0.4)):
+        thing.location.x = x
+        thing.keyframe_insert("location", frame=frame)
+    scene.frame_set(1)
+    scene.render.use_motion_blur = True
+
+
+def _leaf():
+    """A diffuse material with holes."""
+    leaf = _paint("Leaf", (0.2, 0.5, 0.1))
+    nodes, links = leaf.node_tree.nodes, leaf.node_tree.links
+    output = next(node for node in nodes if node.type == "OUTPUT_MATERIAL")
+    checker, mix, clear = (
+        nodes.new(kind) for kind in ("ShaderNodeTexChecker", "ShaderNodeMixShader", "ShaderNodeBsdfTransparent")
+    )
+    checker.inputs["Scale"].default_value = 6.0
+    links.new(checker.outputs["Fac"], mix.inputs[0])
+    links.new(output.inputs["Surface"].links[0].from_socket, mix.inputs[1])
+    links.new(clear.outputs[0], mix.inputs[2])
+    links.new(mix.outputs[0], output.inputs["Surface"])
+    return leaf
+
+
+def _leaves(size: int) -> None:
+    """A plant of 60 leaves with cut-out edges."""
+    _spot_on_wall(size)
+    leaf = _leaf()
+    for number in range(60):
+        angle, height = 2.4 * number, 0.8 + 0.02 * number
+        at = -0.6 + 0.35 * math.cos(angle), 0.6 + 0.35 * math.sin(angle), height
+        turn = (60.0 + 7.0 * (number % 5), 0.0, math.degrees(angle))
+        add("Leaf", plane("Leaf", (0.3, 0.3)), leaf, location=at, rotation=turn)
+
+
+def _wax(size: int) -> None:
+    """A ball that light enters."""
+    _spot_on_wall(size)
+    surface = bpy.data.materials.new("Wax")
+    tree = use_nodes(surface)
+    closure = next(node for node in tree.nodes if node.type == "BSDF_PRINCIPLED")
+    closure.inputs["Base Color"].default_value = (0.8, 0.6, 0.3, 1.0)
+    closure.inputs["Subsurface Weight"].default_value = 1.0
+    closure.inputs["Subsurface Scale"].default_value = 0.1
+    _ball(surface)
+
+
 ROOMS = dict(cove=_cove, shade=_shade, sign=_sign, door=_door, corridor=_corridor)
 LIGHTS = dict(cove_area=_cove_area, door_point=_door_point, spot_on_wall=_spot_on_wall)  # rooms without SDF lamps
+THINGS = dict(moving_ball=_moving_ball, leaves=_leaves, wax=_wax)  # in such a room: what is shared in part
 
 
 def build(name: str, size: int) -> bpy.types.Scene:
     """A room of that name, of ``size`` pixels to each side."""
-    (ROOMS | LIGHTS)[name](size)
+    (ROOMS | LIGHTS | THINGS)[name](size)
     show()
     return bpy.context.scene

@@ -220,6 +220,17 @@ def _restricted_lamp(scene) -> None:
     scene.lamps.append(dataclasses.replace(torus_lamp(0.5, -0.6, 1.2, 20.0, 0.2), visibility=Ray.ALL & ~Ray.GLOSSY))
 
 
+def _restricted_mesh(scene) -> None:
+    """A glowing ball lights some objects alone, and a panel has shadows that not all cast. No light paths start
+    there."""
+    for number, instance in enumerate(scene.instances):
+        instance.light_set, instance.shadow_set = number % 3, number % 2
+    for x, links in ((-1.2, dict(receivers=0b101)), (1.2, dict(blockers=0b01))):
+        glow = material("emission", "glow", color=(1.0, 0.8, 0.6), strength=10.0)
+        add(scene, 2, translation(x, -0.5, 0.8) @ scaling(0.15, 0.15, 0.15), glow)
+        scene.instances[-1] = dataclasses.replace(scene.instances[-1], **links)
+
+
 def _everywhere(node: Node):
     """All but the floor gets a material of this node."""
 
@@ -271,10 +282,13 @@ BRUSHED = Node(
         _outdoors,
         *(
             pytest.param(change, marks=pytest.mark.slow)
-            for change in (_sun, _everywhere(SKIN), _world, _emission, _restricted_lamp, _everywhere(BRUSHED), _strands)
+            for change in (
+                *(_sun, _everywhere(SKIN), _world, _emission, _restricted_lamp, _restricted_mesh, _everywhere(BRUSHED)),
+                _strands,
+            )
         ),
     ],
-    ids=["world and sun", "sun", "skin", "world", "mesh", "restricted lamp", "brushed", "strands"],
+    ids=["world and sun", "sun", "skin", "world", "mesh", "restricted lamp", "linked meshes", "brushed", "strands"],
 )
 def test_all_light_of_such_scenes_is_there(change):
     """Light paths are used, and means of the whole and of blocks over 24 renders each agree within 4.5 standard errors:

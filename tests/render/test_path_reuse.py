@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from sdf_lights import jit
-from sdf_lights.graph.formula import constant
+from sdf_lights.graph.formula import constant, maximum, minimum
 from sdf_lights.render import session
 from sdf_lights.render.cpu import path_reuse
 from sdf_lights.render.cpu.renderer import CpuRenderer
@@ -18,11 +18,33 @@ from sdf_lights.render.film import Film
 from sdf_lights.render.kernels.path_reuse.records import ARRIVAL
 from sdf_lights.render.lights.area import AreaLight
 from sdf_lights.render.material import Material, Node
+from sdf_lights.render.medium import Medium, Scattering
 from sdf_lights.render.nodes.variables import INCOMING, NORMAL
-from sdf_lights.render.scene import Ray
+from sdf_lights.render.passes import BY_NAME, is_light, matte_passes
+from sdf_lights.render.scene import Ray, Shutter
 from sdf_lights.render.settings import LampPaths, PathReuse
 from support.blocks import means
-from support.scenes import RED, add, material, probed, rotation, scaling, torus_room, translation
+from support.graphs import Graph
+from support.scenes import (
+    GREEN,
+    RED,
+    add,
+    changing_lamps,
+    checker_image,
+    diffuse,
+    light_control,
+    material,
+    moving,
+    probed,
+    rotation,
+    scaling,
+    shadow_catcher,
+    subsurface,
+    torus_room,
+    translation,
+)
+from support.scenes.media import smoke, varying_smoke
+from support.scenes.strands import fur, moving_strands
 
 pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installed")
 
@@ -56,18 +78,90 @@ def facing(width: int, height: int):
     return scene
 
 
-def picture(path_reuse: PathReuse, build=things, size=SIZE, change=lambda scene: None, **changes) -> np.ndarray:
-    """(height, width, RGB)."""
+def film_of(path_reuse: PathReuse, build=things, size=SIZE, change=lambda scene: None, passes=(), **changes) -> Film:
     scene = build(*size)
     values = dict(samples=8, threads=2, path_reuse=path_reuse, lamp_paths=LampPaths.NEVER) | changes
     scene.settings = dataclasses.replace(scene.settings, **values)
     change(scene)
-    return session.render(scene, ()).read("Combined")[..., :3].astype(float)
+    return session.render(scene, passes)
+
+
+def picture(path_reuse: PathReuse, **changes) -> np.ndarray:
+    """(height, width, RGB)."""
+    return film_of(path_reuse, **changes).read("Combined")[..., :3].astype(float)
+
+
+def hidden(width: int, height: int):
+    """``things`` that some rays pass by, and sheets that only some meet."""
+    scene = things(width, height)
+    named = {instance.name: instance for instance in scene.instances}
+    for name, rays in (("wall 2", Ray.GLOSSY), ("ball", Ray.DIFFUSE), ("metal", Ray.GLOSSY), ("glass", Ray.CAMERA)):
+        named[name].visibility &= ~rays
+    for x, rays in ((0.2, Ray.SHADOW), (1.2, Ray.DIFFUSE), (-1.2, Ray.GLOSSY | Ray.CAMERA)):
+        add(scene, 1, translation(x, 0.5, 0.9) @ scaling(0.4, 0.02, 0.4), diffuse(GREEN))
+        scene.instances[-1].visibility = rays
+    return scene
+
+
+def linked(width: int, height: int):
+    """``things`` with a lamp, a light and a glowing ball that each light some of them, and shadows that not all
+    cast."""
+    scene = things(width, height)
+    for number, instance in enumerate(scene.instances):
+        instance.light_set, instance.shadow_set = number % 3, number % 2
+    scene.lamps[0].receivers, scene.lamps[0].blockers = 0b011, 0b01
+    scene.lights.append(AreaLight("area", translation(0.5, -0.5, 2.8), 40.0, receivers=0b110, size=(0.8, 0.4)))
+    add(scene, 2, translation(1.4, 0.8, 2.4) @ scaling(0.2, 0.2, 0.2), material("emission", strength=12.0))
+    scene.instances[-1].receivers, scene.instances[-1].blockers = 0b101, 0b10
+    return scene
+
+
+def leaves(width: int, height: int):
+    """A room with cut-out and tinted sheets, and one that is clear at flat angles."""
+    scene = things(width, height)
+    scene.images.append(checker_image())
+    graph = Graph()
+    color, alpha = (graph.image(0, graph.uv(), output, "Closest") for output in ("Color", "Alpha"))
+    cut_out = graph.material("leaf", Node("principled", {"base_color": color, "alpha": alpha, "roughness": 0.5}))
+    clear, red = Node("transparent", {"color": (0.5, 0.9, 0.6)}), Node("diffuse", {"color": RED})
+    tinted = Material("tinted", Node("mix_closure", {"factor": 0.6, "a": red, "b": clear}))
+    flat = minimum(maximum(1.2 - 2.0 * abs(INCOMING.dot(NORMAL)), 0.0), 1.0)
+    grazing = Material("grazing", Node("mix_closure", {"factor": flat, "a": red, "b": clear}))
+    for number in range(6):
+        at = translation(0.6 * number - 1.5, 0.4 - 0.2 * (number % 2), 1.3) @ rotation("z", 50 * number)
+        add(scene, 0, at @ rotation("x", 70) @ scaling(0.4, 0.4, 1.0), (cut_out, tinted, grazing)[number % 3])
+    return scene
+
+
+def mirrors(width: int, height: int):
+    """A rough floor, whose rays meet a wall with a mirror: Filter Glossy blurs that for some of its points alone."""
+    scene = torus_room(width, height)
+    scene.materials.append(material("glossy", "rough", color=(0.8, 0.8, 0.8), roughness=0.4))
+    scene.instances[0].materials = (len(scene.materials) - 1,)
+    mirror = Node("glossy", {"color": (0.9, 0.9, 0.9), "roughness": 0.0})
+    wall = Node("mix_closure", {"factor": 0.7, "a": Node("diffuse", {"color": (0.5, 0.5, 0.5)}), "b": mirror})
+    scene.materials.append(Material("mirror", wall))
+    scene.instances[2].materials = (len(scene.materials) - 1,)
+    scene.lamps[0].matrix = translation(0.0, -1.0, 1.2) @ scaling(0.3, 0.3, 0.3)
+    return scene
 
 
 def by_area(scene) -> None:
     scene.lamps.clear()
     scene.lights.append(AreaLight("area", translation(0.5, -0.5, 2.8), 60.0, size=(0.8, 0.4)))
+
+
+def assert_only_noise_differs(least: float, seeds: int = 24, **changes) -> None:
+    """Means of the whole and of blocks over 24 renders each agree within 4.5 standard errors: by chance, one set of
+    seeds in a hundred would not. The variance is less than the part ``least``."""
+    fixed = dict(samples=8, indirect_paths=4, guided_samples=False) | changes
+    found = [np.array([picture(each, seed=seed, **fixed) for seed in range(seeds)]) for each in (WITHOUT, ALWAYS)]
+    for one, other in zip(*(means(each) for each in found)):
+        error = np.sqrt((one.var(axis=0, ddof=1) + other.var(axis=0, ddof=1)) / len(one))
+        assert np.all(np.abs(other.mean(axis=0) - one.mean(axis=0)) < 4.5 * error + 1e-9)
+    if not fixed["guided_samples"]:  # else there are fewer branches
+        noise = [np.median(each.var(axis=0, ddof=1)) for each in found]
+        assert noise[1] < least * noise[0]
 
 
 @pytest.mark.parametrize(
@@ -78,20 +172,86 @@ def by_area(scene) -> None:
         pytest.param(things, dict(change=by_area), marks=pytest.mark.slow),
         (things, dict(filter_glossy=1.0, max_bounces=12, diffuse_bounces=2, glossy_bounces=1)),
         pytest.param(things, dict(samples=32, indirect_paths=0, guided_samples=True), marks=pytest.mark.slow),
+        pytest.param(mirrors, dict(filter_glossy=1.0, max_bounces=4, seeds=48), marks=pytest.mark.slow),
     ],
-    ids=["things", "facing", "area", "limits", "allocated"],
+    ids=["things", "facing", "area", "limits", "allocated", "mirrors"],
 )
 def test_path_reuse_changes_the_noise_alone(build, changes):
-    """Means of the whole and of blocks over 24 renders each agree within 4.5 standard errors: by chance, one set of
-    seeds in a hundred would not."""
-    fixed = dict(build=build, samples=8, indirect_paths=4, guided_samples=False) | changes
-    found = [np.array([picture(each, seed=seed, **fixed) for seed in range(24)]) for each in (WITHOUT, ALWAYS)]
-    for one, other in zip(*(means(each) for each in found)):
-        error = np.sqrt((one.var(axis=0, ddof=1) + other.var(axis=0, ddof=1)) / len(one))
-        assert np.all(np.abs(other.mean(axis=0) - one.mean(axis=0)) < 4.5 * error + 1e-9)
-    if not fixed["guided_samples"]:  # else there are fewer branches
-        noise = [np.median(each.var(axis=0, ddof=1)) for each in found]
-        assert noise[1] < 0.6 * noise[0]
+    assert_only_noise_differs(0.6, build=build, **changes)
+
+
+# Scenes where some points and arrivals are not shared, with settings.
+SPECIAL = {
+    "hidden": (hidden, dict()),
+    "linked": (linked, dict()),
+    "light control": (light_control, dict()),
+    "moving": (moving, dict()),
+    "changing lamps": (changing_lamps, dict()),
+    "leaves": (leaves, dict(transparent_bounces=3)),
+    "no caustics": (things, dict(caustics_reflective=False, caustics_refractive=False)),
+    "no reflections": (things, dict(caustics_reflective=False)),
+    "subsurface": (subsurface, dict()),
+    "strands": (fur, dict()),
+    "moving strands": (moving_strands, dict()),
+    "catcher": (shadow_catcher, dict()),
+    "smoke": (smoke, dict()),
+    "varying smoke": (varying_smoke, dict()),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [name for name in SPECIAL if name != "changing lamps"])  # those take long to build
+def test_special_scenes_differ_by_noise_alone(name):
+    build, changes = SPECIAL[name]
+    assert_only_noise_differs(0.8, build=build, size=(32, 24), **changes)
+
+
+@pytest.mark.parametrize(
+    "name", [name if name in ("hidden", "moving") else pytest.param(name, marks=pytest.mark.slow) for name in SPECIAL]
+)
+def test_special_scenes_do_not_depend_on_threads(name):
+    """Each group has its time, and nothing of one group stays for the next."""
+    build, changes = SPECIAL[name]
+    fixed = dict(build=build, samples=4, indirect_paths=2, guided_samples=False, size=(72, 40)) | changes
+    one, three = (picture(ALWAYS, threads=threads, **fixed) for threads in (1, 3))
+    assert np.array_equal(one, three) and np.isfinite(one).all()
+    assert not np.array_equal(one, picture(WITHOUT, **fixed))
+
+
+def with_numbers(scene) -> None:
+    scene.passes += matte_passes("object", 2)
+    for number, instance in enumerate(scene.instances):
+        instance.index = number
+
+
+@pytest.mark.parametrize("build", [leaves, shadow_catcher])
+def test_passes_have_the_surfaces_that_the_camera_sees(build):
+    """These are known before paths divide."""
+    scene_passes = *matte_passes("object", 2), *(item for item in BY_NAME.values() if not is_light(item))
+    names = tuple(item.name for item in scene_passes)
+    fixed = dict(build=build, passes=names, samples=4, indirect_paths=2, guided_samples=False, change=with_numbers)
+    without, reused = (film_of(each, **fixed) for each in (WITHOUT, ALWAYS))
+    assert not np.array_equal(without.read("Combined"), reused.read("Combined"))
+    for name in ("Depth", "Normal", "Position", "Mist", "UV", "Object Index", "CryptoObject00", "Glossy Color"):
+        assert np.array_equal(without.read(name), reused.read(name)), name
+
+
+def test_times_of_a_pixel_are_spread_evenly():
+    """A wall glows before the camera for half of the time: 8 of 16 samples see it, or one more or less at the end of
+    the half."""
+
+    def blink(scene) -> None:
+        scene.shutter = Shutter()
+        scene.lamps.clear()
+        scene.instances[:] = [scene.instances[2]]
+        scene.materials[0] = material("emission", strength=1.0)
+        there = scene.instances[0]
+        away = translation(0.0, 0.0, 100.0) @ there.matrix
+        there.motion = np.stack([there.matrix] * 64 + [away] * 64)
+
+    found = picture(ALWAYS, build=torus_room, change=blink, samples=16, guided_samples=False)
+    middle = found[SIZE[1] // 2, :, 0]
+    assert np.abs(middle[12:-12] - 0.5).max() <= 1.001 / 16
 
 
 @pytest.mark.parametrize("path_reuse", [ALWAYS, AUTOMATIC])
@@ -144,8 +304,12 @@ def floor(scene) -> None:
     del scene.instances[1:]
 
 
-def hide(scene) -> None:
-    scene.instances[-1].visibility &= ~Ray.DIFFUSE
+def fill(scene) -> None:
+    scene.world.medium = Medium((0.01, 0.02, 0.04), (Scattering((0.05, 0.05, 0.05)),))
+
+
+def roll(scene) -> None:
+    scene.shutter = Shutter(rolling=0.1)
 
 
 @pytest.mark.parametrize(
@@ -154,11 +318,12 @@ def hide(scene) -> None:
         (AUTOMATIC, dict(denoise=True)),
         (AUTOMATIC, dict(samples=8)),
         (ALWAYS, dict(max_bounces=0)),
-        (ALWAYS, dict(caustics_reflective=False)),
-        (ALWAYS, dict(change=hide)),
+        (ALWAYS, dict(change=fill)),
+        (ALWAYS, dict(change=roll)),
+        (ALWAYS, dict(passes=("Combined", "Diffuse Direct"))),
         (ALWAYS, dict(lamp_paths=LampPaths.ALWAYS)),
     ],
-    ids=["denoised", "few samples", "no bounces", "no caustics", "hidden", "light paths"],
+    ids=["denoised", "few samples", "no bounces", "in fog", "rolling shutter", "lobes", "light paths"],
 )
 def test_other_pictures_stay_as_they_are(path_reuse, changes):
     assert np.array_equal(picture(path_reuse, **changes), picture(WITHOUT, **changes))

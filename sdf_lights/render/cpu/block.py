@@ -64,6 +64,7 @@ class PackedScene:
         self._blocks = np.zeros(2 if catches else 1, BLOCK) if block is None else block
         self.block = self._blocks[:1]
         self._bare: PackedScene | None = None
+        self._copies: list[np.ndarray] = []  # of the block, (1,) each, for threads of a moving scene
         materials = self._pack_shading(scene)
         self._flags = materials["materials"]["flags"]
         deep = self._flags & HAS_SUBSURFACE != 0
@@ -123,6 +124,15 @@ class PackedScene:
         for name, value in scalars.items():
             self.block[name] = value
 
+    def _fill_all(self, tables: dict[str, np.ndarray], scalars: dict[str, float]) -> None:
+        """As ``_fill``, also for threads that have blocks of their own. None of these tables moves."""
+        self._fill(tables, scalars)
+        for block in self._copies:
+            for name in tables:
+                fill_table(block, name, self._tables[name])
+            for name, value in scalars.items():
+                block[name] = value
+
     @property
     def graphs(self) -> shading.Graphs:
         """The formulas of all materials."""
@@ -147,7 +157,7 @@ class PackedScene:
         """Let the paths of neighbouring pixels share their branches; 0: not. Of so many paths, one shares an arrival
         that is not diffuse. ``connects``: they share vertices of light paths, too."""
         code = {"path_reuse_code": path_reuse_code.addresses(step > 0, connects, (BLOCK, WORKSPACE))}
-        self._fill(code, {"reuses_paths": step > 0, "reuse_step": step})
+        self._fill_all(code, {"reuses_paths": step > 0, "reuse_step": step})
 
     def set_light_paths(self, tables: dict[str, np.ndarray], scalars: dict[str, float]) -> None:
         """Connect paths with the vertices of light paths in these tables of ``light_paths.records``; with nothing
@@ -162,6 +172,7 @@ class PackedScene:
 
         Earlier workspaces become invalid.
         """
+        self._copies = []
         if self._bare is not None:
             self._bare.update_lights(catchers_only(scene))
             self._separate_bare()
@@ -203,13 +214,13 @@ class PackedScene:
 
     def set_film(self, scene: Scene, film: Film) -> None:
         """Add the next samples to this film."""
-        self._fill(film_kernels.pack_film(film), film_kernels.film_scalars(film))
+        self._fill_all(film_kernels.pack_film(film), film_kernels.film_scalars(film))
         emitters = [*self.lamps_of(scene), *scene.lights, scene.world]
         tables, scalars = pack_outputs(scene, film, emitters, self._emissive.instance)
         tables["output_code"] = output_code.addresses(film, (BLOCK, WORKSPACE))
-        self._fill(tables, scalars)
+        scalars["shows_environment"] = film.sums["environment"].size > 0
+        self._fill_all(tables, scalars)
         self.output_counts = workspace_counts(film)
-        self.block["shows_environment"] = film.sums["environment"].size > 0
 
     def _pack_motion(self, scene: Scene) -> None:
         """The shutter, and the tables that move while it is open."""
@@ -247,7 +258,9 @@ class PackedScene:
                 block["region_set"] = len(blocks)
                 blocks.append(block)
                 kept += own.values()
-        return np.concatenate(blocks), kept
+        found = np.concatenate(blocks)
+        self._copies += [found[row : row + 1] for row in range(len(self._segments))]
+        return found, kept
 
     def _pack_external(self, sources: list[Lamp]) -> external.Packed:
         found = external.registered()
@@ -274,7 +287,7 @@ class PackedScene:
         self._accelerator = None
         self._tables, self._images, self.lamps, self._external = {}, [], [], external.NONE
         self._elsewhere = self._bare = None
-        self._segments = []
+        self._segments, self._copies = [], []
         self._blocks[:] = 0
 
 

@@ -132,21 +132,15 @@ def is_alike(scene: Scene, packed: PackedScene) -> bool:
     another has found there.
 
     Each object is met by all kinds of rays but the camera's or by none, and no caustics are off. Nothing moves,
-    scatters in a volume or catches shadows.
+    scatters in a volume or catches shadows. Linking does not matter: an emitter that does not light all is no source.
     """
     return bool(
         not packed.block[0]["has_media"]
         and not packed.moves
         and not catches_shadows(scene)
         and packed.block[0]["caustics"] == GLOSSY | TRANSMISSION
-        and all(
-            rays & SCATTERED in (SCATTERED, 0) and receivers == blockers == ALL_SETS
-            for rays, receivers, blockers in {
-                # As integers: operations of enumerations take long, and there may be many thousands of instances.
-                (int(each.visibility), each.receivers, each.blockers)
-                for each in scene.instances
-            }
-        )
+        # As integers: operations of enumerations take long, and there may be many thousands of instances.
+        and all(rays & SCATTERED in (SCATTERED, 0) for rays in {int(each.visibility) for each in scene.instances})
     )
 
 

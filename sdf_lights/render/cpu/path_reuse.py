@@ -12,6 +12,10 @@ T_i is the throughput of the path to x_i, b_k the number of branches of the poin
 which its BSDF draws y. The sum has the points that see y (balance heuristic). Where y is not diffuse, L depends on the
 direction: see ``kernels.path_reuse.arrivals``.
 
+A point shares an arrival if a ray of it meets that first. What is found behind a transparent surface, or behind one
+that bounds a medium, belongs to the branch alone. So does all that the density is not known of: see ``can_share`` and
+``arrivals.is_shareable``.
+
 Diffuse and glossy rays have limits of bounces of their own, so p_k(y) is the density of rays of the arrival's kind, and
 the point scatters by the part of f_i that this kind has of the density.
 """
@@ -24,11 +28,27 @@ import numpy as np
 
 from ...jit import kernel
 from ...vec import ZERO, add, dot, largest, mul, put, put_sum, scale, sub, vec
-from ..kernels.film import add_sample, branches_before, branches_of, is_active, pixel_index, samples_due, samples_had
+from ..kernels.film import (
+    add_sample,
+    branches_before,
+    branches_of,
+    end_sample,
+    is_active,
+    pixel_index,
+    samples_due,
+    samples_had,
+)
+from ..kernels.film import begin_sample as count_sample
+from ..kernels.geometry import TRIANGLES, instance_table
 from ..kernels.integrator import DIVIDES, GOES_ON, scatter, shade_and_scatter, trace_path
 from ..kernels.light_paths.connections import ROULETTE_SETS
 from ..kernels.light_paths.records import FOLLOW_ALL
+from ..kernels.media import dispatch as media
+from ..kernels.media.records import NOTHING, inside_table
+from ..kernels.motion import NOT_ROLLING, block_at, draw_time
 from ..kernels.next_event import sample_direct_light
+from ..kernels.outputs import dispatch as outputs
+from ..kernels.outputs.records import CATCHERS
 from ..kernels.path import (
     ARRIVES,
     BEYOND,
@@ -46,7 +66,6 @@ from ..kernels.path import (
 )
 from ..kernels.path_reuse import dispatch as path_reuse
 from ..kernels.path_reuse.arrivals import LOOK_COST, SHADE_COST, copy_surface, is_reusable, look_from_all
-from ..kernels.path_reuse.vertices import part_of
 from ..kernels.path_reuse.records import (
     GROUP,
     GROUP_PATH,
@@ -57,15 +76,26 @@ from ..kernels.path_reuse.records import (
     arrival_table,
     point_table,
 )
+from ..kernels.path_reuse.vertices import part_of
 from ..kernels.rays import ray_table
 from ..kernels.samplers import get_1d, pixel_seed
-from ..kernels.shading.records import TRANSMISSION
-from ..kernels.workspace import cut_table, point_workspaces
+from ..kernels.shading.records import TRANSMISSION, surface_table
+from ..kernels.workspace import cut_table, point_workspaces, secondary_table
 from ..scene import Scene
 from ..settings import PathReuse
 from .block import PackedScene
-from .light_paths import is_alike
-from .path_splitting import add_spread, begin_sample, brightness, control_table, divide_path, follow_branches
+from .path_splitting import (
+    add_spread,
+    begin_sample,
+    brightness,
+    control_table,
+    divide_path,
+    follow_branches,
+    follow_divided,
+    restore_state,
+    save_state,
+    trace_catchers,
+)
 
 # Arrivals that are not diffuse are shaded for each point, which takes time. Where most are so, every eighth point
 # shares one. MOST_TIME: for an arrival on average, in surfaces that rays meet, up to which all points of the group do.
@@ -73,27 +103,26 @@ MOST_STEP, MOST_TIME = 8, 4.0
 # Path splitting at such a surface: so many paths go on, each with a light ray. They take less time than its points, if
 # all share it.
 SPLITS = 2
-LEAST_PART = 0.1
+LEAST_PART = 0.1  # with which an arrival goes on that vertices of light paths should leave little to
 
 
 def supports_path_reuse(scene: Scene, packed: PackedScene) -> bool:
     """Whether paths may share branches, and whether that is asked for.
 
-    - Nothing moves, scatters in a volume or below surfaces, or catches shadows. There are no strands, and nothing is
-      transparent: a path may pass that by chance.
-    - Each object is met by all kinds of rays but the camera's, or by none, and no caustics are off: see ``is_alike``.
-    - No pass wants parts of the light, or surface properties.
+    - No medium fills the world, and the time of a path does not depend on its pixel.
+    - No pass wants parts of the light.
+
+    All else is decided for each point and each arrival: see ``can_share``, and ``arrivals.arrive``.
     """
     settings, block = scene.settings, packed.block[0]
+    light_columns = 3 if block["outputs"] & CATCHERS else 0  # of what shadow catchers catch
     return bool(
         settings.path_reuse is not PathReuse.NEVER
         and not (settings.path_reuse is PathReuse.AUTOMATIC and settings.denoise)
         and settings.max_bounces > 0
-        and not block["has_subsurface"]
-        and not block["has_strands"]
-        and not block["transparent_shadows"]
-        and not block["outputs"]
-        and is_alike(scene, packed)
+        and block["world_medium"] == NOTHING
+        and block["rolling_shutter"] == NOT_ROLLING
+        and block["light_columns"] == light_columns
     )
 
 
@@ -126,8 +155,34 @@ def same_bounces(a, b):
         and a.diffuse == b.diffuse
         and a.glossy == b.glossy
         and a.transmission == b.transmission
+        and a.volume == b.volume
         and a.transparent == b.transparent
     )
+
+
+@kernel
+def can_share(block, workspace):
+    """Whether the path of the workspace, where it should divide, can be a point of a group: on a triangle that scatters
+    all of its light there and then, outside of all media, and not on its way from a shadow catcher."""
+    path, surface = path_table(workspace)[0], surface_table(workspace)[0]
+    if path.catches or instance_table(block)[surface.instance].primitive != TRIANGLES:
+        return False
+    if block.has_media and inside_table(workspace)[0].count > 0:
+        return False
+    return is_reusable(workspace)
+
+
+@kernel
+def follow_into_media(block, workspace, branches):
+    """Follow those branches of a point to their ends that a medium surrounds where they have arrived. So nothing
+    surrounds those that are kept, and this need not be kept."""
+    paths, sample = path_table(workspace), sample_table(workspace)[0]
+    for branch in range(branches):
+        if paths[FIRST_BRANCH + branch].alive and inside_table(workspace)[FIRST_BRANCH + branch].count > 0:
+            light = brightness(sample)
+            follow_divided(block, workspace, branch)
+            paths[FIRST_BRANCH + branch].brought += brightness(sample) - light
+            paths[FIRST_BRANCH + branch].alive = 0
 
 
 @kernel
@@ -273,17 +328,19 @@ def share_arrival(block, workspace, source):
     paths, samples, arrival = path_table(workspace), sample_table(workspace), arrival_table(workspace)[0]
     point, own = point_table(workspace)[source], samples[GROUP_SAMPLE + source]
     paths[WAITING] = paths[0]
+    save_state(block, workspace, WAITING)
     splits, looked = 1 if arrival.even or block.reuse_step > 1 else SPLITS, not arrival.even
     offset = 0.0 if arrival.even else get_1d(paths[0].index, paths[0].seed, paths[0].dimension + MIXTURE_SETS)
     arrival.number += 1
     arrival.uneven += 1 - arrival.even
-    if block.light_paths and arrival.even and arrival.connects:
+    if arrival.connects and arrival.even:
         looked = leave_to_vertices(block, workspace, source)
-    elif block.light_path_all and arrival.connects and block.light_paths:
+    elif arrival.connects and block.light_path_all:
         found = path_reuse.density_of_vertices(block, workspace) / block.reuse_step
         arrival.connected = part_of(found, arrival.density)
     for split in range(splits if arrival.scale > 0.0 else 0):
         paths[0] = paths[WAITING]
+        restore_state(block, workspace, WAITING)
         paths[0].index, paths[0].branch_weight = paths[WAITING].index * splits + split, 1.0 / splits
         if not arrival.even:
             choose_lobes(workspace, (split + offset) / splits)
@@ -309,6 +366,8 @@ def follow_branch(block, workspace, at):
     samples[0], paths[0] = samples[row], paths[GROUP_PATH + at]
     ray_table(workspace)[0] = ray_table(workspace)[GROUP_RAY + at]
     cut_table(workspace)[0].lamp = cut_table(workspace)[1].lamp = -1  # those are of other points
+    if block.has_media:
+        media.bounds(block, workspace, media.ESCAPE)  # none surrounds it: see ``follow_into_media``
     path.reused = UNSHARED if path.pdf <= 0.0 or path.kind == TRANSMISSION else ARRIVES
     before = brightness(samples[0])
     state = shade_and_scatter(block, workspace, False)
@@ -317,6 +376,7 @@ def follow_branch(block, workspace, at):
         samples[row].met = samples[0].met
         return
     if state == GOES_ON:
+        path.reused = UNSHARED  # of what is behind a surface that only bounds a medium, nothing is shared
         trace_path(block, workspace, False)
     point_table(workspace)[row - GROUP_SAMPLE].brought = brightness(samples[0]) - before
     note_brought(workspace, row - GROUP_SAMPLE)
@@ -332,7 +392,7 @@ def cell_turn(x, y, number):
 
 
 @kernel
-def begin_pixel(block, workspace, x, y, pixel, index, count, stored):
+def begin_pixel(blocks, block, workspace, x, y, pixel, index, count, stored):
     """The next sample of a pixel, as point number ``count`` of the group if its path can be: the new number of stored
     branches; −1 if the sample is complete, and in the film."""
     paths, samples = path_table(workspace), sample_table(workspace)
@@ -340,16 +400,25 @@ def begin_pixel(block, workspace, x, y, pixel, index, count, stored):
     before = block.sample_offset * branches + branches_before(block, pixel)
     paths[0].seed, paths[0].index = pixel_seed(x, y, block.seed), block.sample_offset + index
     clear_sample(workspace)
+    if block.outputs:
+        outputs.clear(block, workspace)
     if begin_sample(block, workspace, x, y, branches):
         if count == 0:
             paths[GROUP_START] = paths[0]
-        if is_reusable(workspace) and same_bounces(paths[0], paths[GROUP_START]):
+        if can_share(block, workspace) and same_bounces(paths[0], paths[GROUP_START]):
             keep_point(workspace, count, pixel, index, branches)
+            if block.outputs & CATCHERS:
+                trace_catchers(blocks, block, workspace)
+            count_sample(block, workspace, pixel)
             divide_path(block, workspace, branches, before, False)
+            if block.has_media:
+                follow_into_media(block, workspace, branches)
             add_spread(workspace, branches)
             samples[GROUP_SAMPLE + count] = samples[0]
             return keep_branches(workspace, count, branches, stored)
         follow_branches(block, workspace, branches, before)
+    if block.outputs & CATCHERS:
+        trace_catchers(blocks, block, workspace)
     add_sample(block, workspace, pixel, index)
     return -1
 
@@ -363,14 +432,14 @@ def finish_group(block, workspace, count, branches):
         # The scatter of the group's arrivals, as if so many branches of the pixel itself had left that noise.
         noise = max(point.squares - point.sum * point.sum / branches, 0.0) * branches / max(branches - 1.0, 1.0)
         samples[0].spread += (point.branches - 1.0) * point.branches * (noise + point.connected_noise)
-        add_sample(block, workspace, point.pixel, point.index)
+        end_sample(block, workspace, point.pixel, point.index)
 
 
 @kernel
-def render_group(block, workspace, tile, x0, y0, wide, group, number):
+def render_group(blocks, block, workspace, tile, x0, y0, wide, group, number):
     """One more sample of each pixel of a group, as far as it is to have one by sample ``number`` of pixels of rate 1:
     False if none is. ``tile``: its corners, x0, y0, x1 and y1. The block of pixels at (x0, y0) is ``wide``, or else
-    high, and has two groups."""
+    high, and has two groups. ``blocks``: see ``path_splitting.render_tile``; ``block`` is that of the group's time."""
     points, count, stored, branches, some = point_table(workspace), 0, 0, 0, False
     for cell in range(GROUP):
         across, along = 2 * (cell % SIDE), cell // SIDE
@@ -384,7 +453,7 @@ def render_group(block, workspace, tile, x0, y0, wide, group, number):
         if index >= end or not is_active(block, pixel):
             continue
         some = True
-        kept = begin_pixel(block, workspace, x, y, pixel, index, count, stored)
+        kept = begin_pixel(blocks, block, workspace, x, y, pixel, index, count, stored)
         if kept >= 0:
             branches += points[count].branches
             count, stored = count + 1, kept
@@ -395,6 +464,20 @@ def render_group(block, workspace, tile, x0, y0, wide, group, number):
         follow_branch(block, workspace, at)
     finish_group(block, workspace, count, branches)
     return some
+
+
+@kernel
+def block_of_group(blocks, workspace, tile, x0, y0, number, turn):
+    """Index of the block of a moving scene, at a time that is drawn for a group: all its rays see one world. The group
+    is as in ``render_group``, which has had it ``turn`` times for this ``number``.
+
+    All groups of a square of two blocks have the time in common, as each pixel belongs to one after the other. So the
+    times of its samples are spread as evenly as those of a pixel by itself.
+    """
+    block, path, side = blocks[0], path_table(workspace)[0], 2 * SIDE
+    x, y = tile[0] + (x0 - tile[0]) // side * side, tile[1] + (y0 - tile[1]) // side * side
+    path.seed, path.index = pixel_seed(x, y + (turn << 20), block.seed), block.sample_offset + number
+    return block_at(blocks, 0, draw_time(block, workspace, secondary_table(workspace)[0], y0))
 
 
 @kernel
@@ -416,5 +499,9 @@ def render_tile_reusing(blocks, workspaces, x0, y0, x1, y1, samples):
                 if control_table(block)[0] != 0:
                     return
                 for group in range(2):
-                    while render_group(block, workspace, (x0, y0, x1, y1), x, y, wide, group, number):
-                        pass
+                    some, turn = True, 0
+                    while some:
+                        if block.moves:
+                            block = blocks[block_of_group(blocks, workspace, (x0, y0, x1, y1), x, y, number, turn)]
+                        some = render_group(blocks, block, workspace, (x0, y0, x1, y1), x, y, wide, group, number)
+                        turn += 1

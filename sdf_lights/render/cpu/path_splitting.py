@@ -115,17 +115,23 @@ def follow_branches(block, workspace, branches, first_branch):
     light = brightness(sample)
     for branch in range(branches):
         if paths[FIRST_BRANCH + branch].alive:
-            paths[0] = paths[FIRST_BRANCH + branch]
-            restore_state(block, workspace, FIRST_BRANCH + branch)
-            ray_table(workspace)[0] = ray_table(workspace)[FIRST_BRANCH_RAY + branch]
-            cut_table(workspace)[1].lamp = -1  # the branch before has left one of another point there
-            if block.has_subsurface:
-                cut_table(workspace)[0].lamp = -1  # or one of its exit here
-            if shade_and_scatter(block, workspace, False) == GOES_ON:
-                trace_path(block, workspace, False)
+            follow_divided(block, workspace, branch)
         paths[FIRST_BRANCH + branch].brought += brightness(sample) - light
         light = brightness(sample)
     add_spread(workspace, branches)
+
+
+@kernel
+def follow_divided(block, workspace, branch):
+    """Follow a branch from its first surface to its end."""
+    path_table(workspace)[0] = path_table(workspace)[FIRST_BRANCH + branch]
+    restore_state(block, workspace, FIRST_BRANCH + branch)
+    ray_table(workspace)[0] = ray_table(workspace)[FIRST_BRANCH_RAY + branch]
+    cut_table(workspace)[1].lamp = -1  # the branch before has left one of another point there
+    if block.has_subsurface:
+        cut_table(workspace)[0].lamp = -1  # or one of its exit here
+    if shade_and_scatter(block, workspace, False) == GOES_ON:
+        trace_path(block, workspace, False)
 
 
 @kernel
@@ -245,10 +251,13 @@ def roulette_branches(workspace, branches):
 
 
 @kernel
-def trace_catchers(block, bare, workspace):
-    """Follow the path of a sample that has met a shadow catcher in ``bare``, the block of a scene of only these."""
+def trace_catchers(blocks, block, workspace):
+    """Follow the path of a sample that has met a shadow catcher, in the scene of only these: see ``render_tile``.
+    ``block``: that of the sample."""
     if not outputs.release(block, workspace):
         return
+    first = block.segments
+    bare = blocks[block_at(blocks, first, block.time) if block.moves else first]
     invalidate_cuts(workspace)
     if bare.has_media:
         inside_table(workspace)[0].count = 0
@@ -274,7 +283,7 @@ def render_tile(blocks, workspaces, x0, y0, x1, y1, samples):
     of the shutter.
     """
     block, workspace = blocks[0], workspaces[0]
-    path, first_bare = path_table(workspace)[0], block.segments
+    path = path_table(workspace)[0]
     for y in range(y0, y1):
         if control_table(block)[0] != 0:
             return
@@ -295,6 +304,5 @@ def render_tile(blocks, workspaces, x0, y0, x1, y1, samples):
                 before = block.sample_offset * branches + branches_before(block, pixel)
                 trace_branches(block, workspace, x, y, branches, before)
                 if block.outputs & CATCHERS:
-                    bare = block_at(blocks, first_bare, block.time) if block.moves else first_bare
-                    trace_catchers(block, blocks[bare], workspace)
+                    trace_catchers(blocks, block, workspace)
                 add_sample(block, workspace, pixel, index)

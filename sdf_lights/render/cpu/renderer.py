@@ -27,8 +27,8 @@ from .path_splitting import render_tile
 from .pilot import (
     GAIN,
     LEAST_POTENTIAL,
-    LEAST_SHARED,
     LEAST_SAMPLES,
+    LEAST_SHARED,
     MOST_OF_ROWS,
     REUSE_GAIN,
     ROWS_BRANCHES,
@@ -262,7 +262,12 @@ class CpuRenderer:
         return GainEstimate(np.inf, step, found.branches) if always else found
 
     def _share(
-        self, rows: np.ndarray, without: Film, step: int, stop: Callable[[], bool], light_paths: LightPaths | None = None
+        self,
+        rows: np.ndarray,
+        without: Film,
+        step: int,
+        stop: Callable[[], bool],
+        light_paths: LightPaths | None = None,
     ) -> GainEstimate | None:
         """The gain of path reuse with this step, with ``light_paths`` or without; None if stopped before the end."""
         self._reuse(step, light_paths is not None)

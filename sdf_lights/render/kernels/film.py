@@ -105,16 +105,48 @@ def _put(sums, pixel, value):
 def add_sample(block, workspace, pixel, index):
     """Add the workspace's ``sample``, number ``index`` of its pixel. A sample that is not finite counts as black, and
     is counted."""
-    sample = sample_table(workspace)[0]
     _count(block)[pixel] += 1
-    combined = sample.combined
-    total = combined[0] + combined[1] + combined[2] + sample.alpha
-    # Not math.isfinite: it subtracts the value from itself, which reassociation folds to zero for a sum.
-    if not abs(total) < math.inf:
-        _discarded(block)[_KINDS * pixel + (_NAN if math.isnan(total) else _INFINITE)] += 1
+    if not _is_finite(block, workspace, pixel):
         return
     if block.outputs:
         outputs.add_sample(block, workspace, pixel)
+    _add_light(block, workspace, pixel, index)
+
+
+@kernel
+def begin_sample(block, workspace, pixel):
+    """Count a sample of a pixel, and add the surfaces that the camera sees to passes. With ``end_sample`` later, this
+    is ``add_sample``, if no pass has parts of the light."""
+    _count(block)[pixel] += 1
+    if block.outputs:
+        outputs.add_sample(block, workspace, pixel)
+
+
+@kernel
+def end_sample(block, workspace, pixel, index):
+    """Add the light of a sample that ``begin_sample`` has counted."""
+    if _is_finite(block, workspace, pixel):
+        _add_light(block, workspace, pixel, index)
+
+
+@kernel
+def _is_finite(block, workspace, pixel):
+    """Whether the workspace's ``sample`` is finite; else it is counted as discarded."""
+    sample = sample_table(workspace)[0]
+    combined = sample.combined
+    total = combined[0] + combined[1] + combined[2] + sample.alpha
+    # Not math.isfinite: it subtracts the value from itself, which reassociation folds to zero for a sum.
+    if abs(total) < math.inf:
+        return True
+    _discarded(block)[_KINDS * pixel + (_NAN if math.isnan(total) else _INFINITE)] += 1
+    return False
+
+
+@kernel
+def _add_light(block, workspace, pixel, index):
+    """Add the workspace's ``sample`` to all but the passes of ``outputs``."""
+    sample = sample_table(workspace)[0]
+    combined = sample.combined
     sums, half = _combined(block), index & HALF_BIT != 0
     before, lamps = (sample.before, sample.lamps_before) if sample.divided else (combined, sample.lamps)
     at = 4 * pixel

@@ -50,7 +50,6 @@ from .records import (
 RELIEF = 0.125
 LEAST_LEFT = 0.3  # part of the light that connections before have left, from which on a path is connected again
 LATER = 1  # row of choices of a surface after the one where the path split
-SHARED_BROAD = 1.0
 BROAD = 1.0  # density (1/sr) of scattering up to which connections take all light; of diffuse scattering it is 1/π
 CONNECTION_SETS, KIND_SETS, ROULETTE_SETS = 1 << 25, 1 << 26, 1 << 27  # of random numbers, beside those of path.py
 
@@ -70,12 +69,6 @@ def weight(block, workspace, x, n, pdf, y, normal, wi, distance):
 def left_by_lobes(density):
     """s, where y scatters light with this density: sharp lobes are left to paths, which sample them."""
     return BROAD / max(density, BROAD)
-
-
-@kernel
-def left_if_shared(density):
-    """As ``left_by_lobes``, where all points of a group share a vertex."""
-    return SHARED_BROAD / max(density, SHARED_BROAD)
 
 
 @kernel

@@ -17,13 +17,13 @@ from __future__ import annotations
 from ....jit import kernel
 from ....vec import ZERO, dot, largest, length, madd, negate, put, scale, sub, vec
 from ..geometry import TRIANGLES, instance_table, shading_material_table, surface_at
-from ..light_paths.connections import left_if_shared
+from ..light_paths.connections import left_by_lobes
 from ..light_paths.records import CONNECTS, material_table
 from ..path import MIXED, REUSED, UNSHARED, WHITE, path_table, sample_table
 from ..ray_origins import spawn_ray
-from ..rays import SHADOW_OPAQUE, occluded
+from ..rays import occluded, start_anew
 from ..shading import evaluate, has_lobes, shade, transmits
-from ..shading.caustics import blur_lobes
+from ..shading.caustics import blur_lobes, darken_microfacets
 from ..shading.records import (
     DEPENDS_ON_VIEW,
     DIFFUSE,
@@ -60,16 +60,23 @@ def is_reusable(workspace):
 
 
 @kernel
-def is_even(block, workspace, flags):
+def is_shareable(workspace):
+    """Whether a surface that a branch has met ``is_reusable``, and has no mirrors or clear glass."""
+    surface = surface_table(workspace)[0]
+    return surface.evaluable >= surface.closure_count and is_reusable(workspace)
+
+
+@kernel
+def is_even(workspace, flags):
     """Whether the surface of the workspace, whose material has these ``flags``, scatters the same light in all
     directions."""
     surface, closures = surface_table(workspace)[0], closure_table(workspace)
-    if flags & (DEPENDS_ON_VIEW | NEEDS_RAY | TRACES_RAYS) or not is_reusable(workspace):
+    if flags & (DEPENDS_ON_VIEW | NEEDS_RAY | TRACES_RAYS) or not is_shareable(workspace):
         return False
+    even = True
     for index in range(surface.closure_count):
-        if closures[index].kind != LAMBERT:
-            return False
-    return surface.evaluable == surface.closure_count
+        even = even and closures[index].kind == LAMBERT
+    return even
 
 
 @kernel
@@ -90,7 +97,7 @@ def arrive(block, workspace, _):
     """
     path, surface = path_table(workspace)[0], surface_table(workspace)[0]
     path.reused = UNSHARED
-    if path.last or surface.evaluable < surface.closure_count or not is_reusable(workspace):
+    if path.last or not is_shareable(workspace):
         return 0.0
     if instance_table(block)[surface.instance].primitive != TRIANGLES:
         return 0.0
@@ -99,7 +106,7 @@ def arrive(block, workspace, _):
         return 0.0
     arrival, samples = arrival_table(workspace)[0], sample_table(workspace)
     arrival.connected = 0.0
-    arrival.even = int(is_even(block, workspace, flags))
+    arrival.even = int(is_even(workspace, flags))
     arrival.connects = int(block.light_paths and material_table(block)[surface.material] & CONNECTS != 0)
     put(arrival.position, vec(surface.position))
     put(arrival.normal, vec(surface.ng))
@@ -116,8 +123,18 @@ def arrive(block, workspace, _):
 
 
 @kernel
+def pdf_of_kinds(kinds, pdf, glossy_pdf):
+    """The part of a density ``pdf`` that rays of these kinds have: DIFFUSE, GLOSSY, or both."""
+    return (glossy_pdf if kinds & GLOSSY else 0.0) + (pdf - glossy_pdf if kinds & DIFFUSE else 0.0)
+
+
+@kernel
 def look_at_arrival(block, workspace, number):
-    """Let a point of the group look at the arrival, and note what it would scatter of its light."""
+    """Let a point of the group look at the arrival, and note what it would scatter of its light.
+
+    What blocks its view is what a ray of the arrival's kind meets, be it transparent or not: of behind that, no branch
+    brings anything to share.
+    """
     arrival, point = arrival_table(workspace)[0], point_table(workspace)[number]
     own = point_workspaces(workspace)[number]
     surface = surface_table(own)[0]
@@ -131,12 +148,13 @@ def look_at_arrival(block, workspace, number):
     if cosine <= 0.0 or dot(vec(surface.ng), wi) <= 0.0:
         return
     value, pdf, glossy_pdf = evaluate(block, own, wi, SCATTERED)
-    of_kind = pdf if arrival.kind & DIFFUSE and arrival.kind & GLOSSY else glossy_pdf if arrival.kind & GLOSSY else pdf - glossy_pdf
+    of_kind = pdf_of_kinds(arrival.kind, pdf, glossy_pdf)
     if not of_kind > 0.0:
         return
+    start_anew(block, workspace)
     start = spawn_ray(workspace, surface, wi)
     direction, t_max = shadow_ray(x, start, wi, distance)
-    if occluded(block, workspace, start, direction, 0.0, t_max, SHADOW_OPAQUE):
+    if occluded(block, workspace, start, direction, 0.0, t_max, arrival.kind):
         return
     geometry = cosine / (distance * distance)
     put(point.direction, wi)
@@ -180,17 +198,24 @@ def shade_arrival(block, workspace, number):
         footprint,
     )
     shade(block, secondary)
+    if arrival.kind == DIFFUSE and block.caustics != GLOSSY | TRANSMISSION:
+        darken_microfacets(secondary, block.caustics)
     blur_lobes(block, secondary, min(point.least_pdf, point.pdf))
 
 
 @kernel
 def mix(block, workspace, source):
-    """Shade the arrival from a branch of the point ``source`` as all points see it: False if that one does not."""
+    """Shade the arrival from a branch of the point ``source`` as all points see it: False if that one does not.
+
+    A point may see a surface that cannot be shared, such as one that is transparent at a grazing angle. It leaves the
+    arrival to the others then.
+    """
     arrival, points, step = arrival_table(workspace)[0], point_table(workspace), int(block.reuse_step)
     arrival.two_sided = arrival.has_glossy = 0
     if not look_from_all(block, workspace, source, step):
         return False
     sample_table(workspace)[0].met += SHADE_COST * arrival.points / step
+    left_out = False
     for number in range(arrival.points):
         point = points[number]
         if point.visible:
@@ -200,6 +225,17 @@ def mix(block, workspace, source):
             else:
                 shade_arrival(block, workspace, number)
                 copy_surface(secondary_table(workspace)[0], seen)
+                if not is_shareable(seen):
+                    point.visible, left_out = 0, True
+    if left_out:
+        arrival.density = 0.0
+        for number in range(arrival.points):
+            if points[number].visible:
+                arrival.density += points[number].branches * points[number].area_pdf
+    for number in range(arrival.points):
+        point = points[number]
+        if point.visible:
+            seen = point_workspaces(workspace)[GROUP + number]
             point.part = point.branches * point.area_pdf / arrival.density
             arrival.two_sided |= int(transmits(seen))
             arrival.has_glossy |= int(has_lobes(seen))
@@ -231,7 +267,7 @@ def evaluate_arrival(block, workspace, x, y, z, kinds, ray):
             part = part_of_kind(kind, pdf, glossy_pdf)
             value = scale(value, part)
             if arrival.connected > 0.0:
-                value = scale(value, 1.0 - arrival.connected * left_if_shared(pdf))
+                value = scale(value, 1.0 - arrival.connected * left_by_lobes(pdf))
             if kind == BY_LIGHT:
                 put(point.by_light, value)
             else:
