@@ -21,6 +21,7 @@ from ..scene import Scene
 from ..settings import MOST_BRANCHES, PathReuse
 from . import background
 from .block import PackedScene, Workspace
+from .caustic_paths import CausticTracer
 from .light_paths import LightPaths
 from .path_reuse import MOST_STEP, render_tile_reusing, step_for, supports_path_reuse
 from .path_splitting import render_tile
@@ -45,6 +46,7 @@ from .pilot import SAMPLES as PILOT_SAMPLES
 
 TILE = 32
 POLL_SECONDS = 0.05
+CAUSTIC_PIXELS = 1 << 13  # at most, whose samples tell the noise that is not that of caustics
 GRACE_SECONDS = 0.2  # seconds for a cancelled build to end
 
 
@@ -58,6 +60,7 @@ class CpuRenderer:
         self._warnings = scene.warnings
         self._packed: PackedScene | None = None
         self._light_paths: LightPaths | None = None
+        self._caustics: CausticTracer | None = None
         self._may_reuse = self._reuses = False  # whether paths may share branches, and whether they do
         self._workspaces: list[Workspace] = []
         self._tiles = _tiles(film)
@@ -122,6 +125,7 @@ class CpuRenderer:
     def _find_strategies(self, scene: Scene, packed: PackedScene) -> None:
         """Find out which strategies for light that surfaces scatter the scene can have. None is used yet."""
         self._light_paths = LightPaths.of(scene, packed, self._workspaces)
+        self._caustics = CausticTracer.of(scene, packed, self._workspaces)
         self._may_reuse = supports_path_reuse(scene, packed)
         self._reuse(0)
 
@@ -149,6 +153,8 @@ class CpuRenderer:
         if not self.ready:
             return False
         film, begun = self._film, 0.0
+        if first == 0 and self._caustics is not None and not self._begin_caustics(stop):
+            return False
         if first == 0 and self._light_paths is not None and not self._light_paths.automatic:
             self._light_paths.use(first)
         before = sample_allocation.first_pixels(film, self._settings) if first == 0 else None
@@ -161,7 +167,11 @@ class CpuRenderer:
             return False
         at, end = first, first + count
         while at < end:
-            to = min(self._light_paths.use(at), end) if self._light_paths is not None else end
+            to: int | None = min(self._light_paths.use(at), end) if self._light_paths is not None else end
+            if self._caustics is not None:
+                to = self._caustics.use(film, at, to, stop)
+            if to is None:
+                return False
 
             def report_part(part: float, at: int = at, to: int = to) -> None:
                 report(begun + (1.0 - begun) * (at - first + part * (to - at)) / count)
@@ -171,6 +181,13 @@ class CpuRenderer:
             at = to
         film.samples = end
         return True
+
+    def _begin_caustics(self, stop: Callable[[], bool]) -> bool:
+        """Use caustic paths, as the settings say, or where they pay. Returns False if stopped before the end."""
+        pixels = sample_allocation.bands(self._film, CAUSTIC_PIXELS)
+        if not self._caustics.begin(lambda: self._trial(pixels, PILOT_SAMPLES, stop)):
+            self._caustics = None
+        return not stop()
 
     def _choose(self, stop: Callable[[], bool]) -> bool:
         """Use light paths or path reuse, as the settings say, or where it pays; never both, as connections leave little

@@ -1,0 +1,255 @@
+# SPDX-FileCopyrightText: 2026 SDF Lights authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Caustic paths of a render: whether a scene can use them, whether they pay, and the picture of each set of samples.
+
+The picture of a set is kept apart from the sums of samples, which tell the noise of paths from the camera.
+
+By default (``caustic_paths`` is *Automatic*) a few caustic paths tell what they find. If this is nothing, they are not
+used. Else, with C_i for what path i of a set of N adds, R_i from ``weights.py``, and the weight w_i, the errors of the
+picture for the samples of a set are estimated as
+
+    V + Σ (w_i C_i)² + Σ R_i ((1 − w_i) C_i)²     with caustic paths, and     V + Σ R_i C_i²     without.
+
+The last term is the noise of the same light by paths from the camera. These hardly ever find it, so their own samples
+would not tell. V is all other noise, from two samples of some pixels. The number of paths is the best of a few by error
+× time. Time is counted in rays.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+
+import numpy as np
+
+from ...graph.formula import VARIABLE, order
+from ...graph.functions import Function
+from ..film import Film
+from ..kernels.camera import filter_radius
+from ..kernels.caustic_paths.records import KNOWN, MAY_DIFFER, MOST_MIRRORS, RECORD, UNKNOWN
+from ..kernels.caustic_paths.trace import add_to_image, trace_caustic_paths
+from ..kernels.outputs.records import LIGHT, LOBES
+from ..kernels.shading.material_records import NO_GRAPH
+from ..scene import Projection, Scene
+from ..settings import START_BRANCHES, CausticPaths
+from .block import PackedScene, Workspace
+from .caustic_targets import Sources, chances_of, find_targets, may_be_mirrors
+from .light_paths import CHUNK, PILOT_NUMBER, each, powers_of, treats_rays_alike
+
+SET = 8  # samples of pixels that share one picture of the caustics
+SAMPLE_COST = 2.5  # of a sample of a pixel, in rays: about the least
+RAYS = 5.0  # of a caustic path, until the pilot has told
+SHARES = 0.01, 0.02, 0.04, 0.08, 0.16  # parts of the time of samples, among which the best is chosen
+ALWAYS_SHARE = 0.04  # where it is not chosen
+# Paths of the pilot: for each pixel and sample of the render, which takes 0.5 % of its time, at least, and at most.
+PILOT_PART, FEWEST, MOST = 0.0025, 256, 4096
+LEAST_GAIN = 1.05  # error × time without caustic paths over that with them, from which on they are used
+TRIMMED = 0.02  # part of the pixels that the estimate of other noise leaves out: bright dots may be caustics
+KEPT_CHANCE = 0.3  # part of a target's chance that does not depend on what the pilot has found there
+BATCH = 64 * CHUNK  # paths that are traced before they are added to the picture
+SAME_FROM_ALL_SIDES = {"position", "barycentric"}
+
+
+def supports_caustic_paths(scene: Scene, packed: PackedScene) -> bool:
+    """Whether caustic paths may share light with paths from the camera, and whether that is asked for.
+
+    - Light paths know the scene: see ``treats_rays_alike``. Filter Glossy would blur mirrors behind diffuse bounces.
+    - The camera is perspective or orthographic: other projections would need their inverse, and its derivatives.
+    - No pass has parts of the light, but that of all SDF lamps.
+    """
+    settings, block = scene.settings, packed.block[0]
+    return bool(
+        settings.caustic_paths is not CausticPaths.NEVER
+        and settings.max_bounces > 0
+        and settings.filter_glossy == 0.0
+        and scene.camera.projection in (Projection.PERSPECTIVE, Projection.ORTHOGRAPHIC)
+        and not block["outputs"] & (LOBES | LIGHT)
+        and treats_rays_alike(scene, packed)
+    )
+
+
+def materials_of(packed: PackedScene) -> np.ndarray:
+    """(materials,) UNKNOWN, KNOWN or MAY_DIFFER.
+
+    A bump depends on the distance along the ray, which is another for light paths. What depends on the direction may
+    show a mirror to one side alone."""
+    found = []
+    for graph in packed.table("materials")["graph"]:
+        nodes = order(*packed.graphs.structures[graph]) if graph != NO_GRAPH else ()
+        names = {node.value[0] for node in nodes if node.kind == VARIABLE}
+        looks = any(isinstance(node.value, Function) and node.value.scene for node in nodes)
+        if "bump_step" in names:
+            found.append(UNKNOWN)
+        else:
+            found.append(MAY_DIFFER if looks or names - SAME_FROM_ALL_SIDES else KNOWN)
+    return np.array(found, np.int64)
+
+
+class CausticTracer:
+    """Caustic paths of a packed scene, the same ones on any number of threads."""
+
+    @classmethod
+    def of(cls, scene: Scene, packed: PackedScene, workspaces: list[Workspace]) -> CausticTracer | None:
+        """None where the scene cannot use them, or should not; paths from the camera have all light then."""
+        packed.set_caustic_paths({}, {})
+        if not supports_caustic_paths(scene, packed):
+            return None
+        lamps = packed.table("lamps")[: len(packed.lamps_of(scene))]
+        if not len(lamps):
+            return None
+        sources = Sources(lamps["center"].copy(), powers_of(scene, packed)[: len(lamps)])
+        known = materials_of(packed)
+        usable = may_be_mirrors(packed, known)
+        if not (sources.powers.any() and usable.any()):
+            return None
+        targets = find_targets(scene, packed, workspaces[0], usable, sources)
+        found = cls(scene, packed, workspaces, sources, known, targets) if len(targets) else None
+        return found if found is not None and found._try() else None
+
+    def __init__(
+        self,
+        scene: Scene,
+        packed: PackedScene,
+        workspaces: list[Workspace],
+        sources: Sources,
+        known: np.ndarray,
+        targets: np.ndarray,
+    ):
+        self._scene, self._packed, self._workspaces = scene, packed, workspaces
+        self._sources, self._known, self._targets = sources, known, targets
+        self._chances = chances_of(targets, sources)
+        self._window = np.array(scene.border or (0, 0, scene.width, scene.height), float)
+        self._shape = int(self._window[3] - self._window[1]), int(self._window[2] - self._window[0])
+        self._pixels = self._shape[0] * self._shape[1]
+        self._paths = 0  # of a set
+        self._set: int | None = None
+        self._image = np.zeros((*self._shape, 3))
+        self._records = np.zeros(BATCH * MOST_MIRRORS, RECORD)
+        self._counts = np.zeros((BATCH, 2), np.int64)
+        self._automatic = scene.settings.caustic_paths is CausticPaths.AUTOMATIC
+        self._found = np.zeros(0, RECORD)  # by the pilot
+        self._scale, self._cost = 1.0, RAYS  # of the pilot, in sets that ratios are for; and rays of a path
+
+    def _try(self) -> bool:
+        """Trace the paths of the pilot. Returns False if these show that caustic paths are of no use."""
+        wanted = PILOT_PART * self._scene.settings.samples * self._pixels
+        if self._automatic and wanted < FEWEST:
+            return False
+        paths = int(min(max(wanted if self._automatic else self._pixels, FEWEST), MOST))
+        first = self._number(ALWAYS_SHARE, RAYS)
+        self._set_up(first)
+        self._found, rays = self._traced(PILOT_NUMBER, paths, 0, paths)
+        self._packed.set_caustic_paths({}, {})
+        self._scale, self._cost = paths / first, rays / paths
+        return bool(len(self._found)) or not self._automatic
+
+    def begin(self, try_without: Callable[[], Film | None]) -> bool:
+        """Decide on the number of caustic paths, and let the scene share its light with them; False if they are not
+        used. ``try_without`` gives a film with two samples of some pixels without them, or None."""
+        share: float | None = ALWAYS_SHARE
+        if self._automatic:
+            alone = try_without()
+            share = None if alone is None else self._best_share(alone)
+        if share is None:
+            return False
+        self._favour()
+        self._paths = self._number(share, self._cost)
+        self._set_up(self._paths)
+        return True
+
+    def use(self, film: Film, sample: int, end: int, stop: Callable[[], bool]) -> int | None:
+        """Add the caustics of the set to which this sample belongs to the ``film``, for the samples up to the end of
+        the set or to ``end``, which is returned. None if stopped before that.
+
+        The set depends on the sample's number in the pattern of the seed alone, so renders that share the samples of a
+        picture have the caustic paths of one render. Each is as large as its samples are worth."""
+        offset = self._scene.settings.sample_offset
+        first = sample + offset - (sample + offset) % SET
+        if self._set != first:  # a range may begin inside a set, and take it in several batches
+            self._set = None
+            self._image[:] = 0.0
+            for start in range(0, self._paths, BATCH):
+                if stop():
+                    return None
+                records, _ = self._traced(first, self._paths, start, min(start + BATCH, self._paths))
+                x0, y0 = int(self._window[0]), int(self._window[1])
+                add_to_image(self._packed.block, records, x0, y0, self._image)
+            self._set = first
+        end = min(first + SET - offset, end)
+        film.add_caustics(self._image.reshape(-1, 3), end - sample)
+        return end
+
+    def _number(self, share: float, cost: float) -> int:
+        """The number of paths of a set that take this part of the time of its samples. ``cost``: rays of a path."""
+        return max(round(share * SET * self._pixels * SAMPLE_COST / cost / CHUNK), 1) * CHUNK
+
+    def _set_up(self, paths: int) -> None:
+        """Let the scene share light with so many paths of a set."""
+        scene, sources = self._scene, self._sources
+        volumes = self._packed.table("lamps")["volume"][: len(sources.powers)]
+        tables = {
+            "caustic_targets": self._targets,
+            "caustic_chances": self._chances.ravel(),
+            "caustic_power": np.cumsum(sources.powers),
+            "caustic_density": paths * sources.powers / (sources.powers.sum() * volumes),
+            "caustic_materials": self._known,
+        }
+        branches = scene.settings.indirect_paths or START_BRANCHES
+        self._packed.set_caustic_paths(tables, {"caustic_samples": float(SET * branches)})
+
+    def _traced(self, number: int, total: int, first: int, last: int) -> tuple[np.ndarray, int]:
+        """The records of caustic paths ``first`` to before ``last`` of ``total``, ``BATCH`` at most, of a set, and the
+        number of rays."""
+        starts, taking = iter(range(first, last, CHUNK)), threading.Lock()
+        reach = filter_radius(self._scene.settings)
+        window = self._window + np.array([-reach, -reach, reach, reach])
+
+        def work(workspace: Workspace) -> None:
+            while True:
+                with taking:
+                    start = next(starts, None)
+                if start is None:
+                    return
+                end = min(start + CHUNK, last)
+                trace_caustic_paths(
+                    *(workspace.scene, workspace.block, start, end, total, number, window),
+                    *(self._records, self._counts),
+                )
+
+        each(work, self._workspaces)
+        counts = self._counts[: last - first]
+        rows = self._records.reshape(BATCH, MOST_MIRRORS)[: last - first]
+        return rows[np.arange(MOST_MIRRORS) < counts[:, :1]], int(counts[:, 1].sum())
+
+    def _best_share(self, alone: Film) -> float | None:
+        """The part of the time of samples with which error × time is least; None if that is hardly less than without.
+        ``alone``: a film with two samples of some pixels."""
+        known = np.flatnonzero(alone.count >= 2)
+        _, of_all, total, _ = alone.squares[known].T
+        variance = np.sort(np.maximum(of_all - total**2 / 2.0, 0.0))
+        rest = variance[: int((1.0 - TRIMMED) * len(variance))].mean() * self._pixels / SET
+        # What paths of the pilot would have added in a set, and sums over the paths of a set by those of the pilot.
+        light, ratio = self._found["light"].sum(axis=1) * self._scale, self._found["ratio"]
+        squares = light**2 / self._scale
+        without = rest + float((squares * ratio).sum())
+        first, best, found = self._number(ALWAYS_SHARE, RAYS), without / LEAST_GAIN, None
+        for share in SHARES:
+            more = self._number(share, self._cost) / first
+            weight = 1.0 - 1.0 / (1.0 + (ratio * more) ** 2)
+            left = float((squares * (weight**2 / more + (1.0 - weight) ** 2 * ratio)).sum())
+            product = (rest + left) * (1.0 + share)
+            if product < best:
+                best, found = product, share
+        return found
+
+    def _favour(self) -> None:
+        """Aim more at targets by way of which the pilot has found more light."""
+        aimed = self._found[self._found["target"] >= 0]
+        light = aimed["light"].sum(axis=1) * aimed["weight"]
+        found = np.bincount(aimed["target"], light, len(self._targets))
+        if found.sum() > 0.0:
+            powers = self._sources.powers / self._sources.powers.sum()
+            factor = KEPT_CHANCE + (1.0 - KEPT_CHANCE) * found / found.sum() / (powers @ self._chances)
+            self._chances = self._chances * factor
+            self._chances /= self._chances.sum(axis=1, keepdims=True)
+
