@@ -10,7 +10,7 @@ import numpy as np
 
 from .passes import BY_NAME, CATCHER_SUMS, DATA_SUMS, Pass, Rule, data_width, is_light, matte_of
 from .scene import Scene, catches_shadows
-from .settings import START_BRANCHES
+from .settings import START_BRANCHES, CausticPaths
 
 # Values that a pixel sums for each pass. "half" sums half of the samples of "combined", to estimate the noise.
 CHANNELS = {
@@ -47,6 +47,7 @@ LEAST_SAMPLES = 2 * HALF_BIT
 # Kinds of samples that are not finite; each pixel has a count of each.
 DISCARDED = ("NaN", "infinite")
 DENOISED_BYTES = 4 * (4 + 3 + 3 + 3)  # of a pixel: the picture, its guides, and the result
+CAUSTIC_BYTES = 2 * 3 * 8  # of a pixel: the sums of caustic paths, and the picture of a set
 DIVIDED, SQUARES = 5, 4  # sums about the cost of branches, and the scatter of samples
 GREATEST = float(np.finfo(np.float32).max)  # largest number for a pixel of a pass
 
@@ -63,6 +64,7 @@ def bytes_of_a_pixel(scene: Scene, passes: tuple[str, ...] = ()) -> int:
     held = sum(array.nbytes for array in arrays if isinstance(array, np.ndarray))
     earlier = film.count.nbytes + film.sums["combined"].nbytes  # copies at the last decision, see ``earlier``
     denoising = DENOISED_BYTES if scene.settings.denoise else 0
+    denoising += CAUSTIC_BYTES if scene.settings.caustic_paths is not CausticPaths.NEVER else 0
     return held + earlier + denoising + sum(4 * len(item.channels) for item in map(film._table.get, film.passes))
 
 

@@ -5,10 +5,12 @@
 The picture of a set is kept apart from the sums of samples, which tell the noise of paths from the camera.
 
 By default (``caustic_paths`` is *Automatic*) a few caustic paths tell what they find. If this is nothing, they are not
-used. Else, with C_i for what path i of a set of N adds, R_i from ``weights.py``, and the weight w_i, the errors of the
-picture for the samples of a set are estimated as
+used. Else, with C_i for what path i of a set of N adds, R_i from ``weights.py``, and the weight w_i, the squared errors
+of the picture for the samples of a set are estimated as
 
-    V + Σ (w_i C_i)² + Σ R_i ((1 − w_i) C_i)²     with caustic paths, and     V + Σ R_i C_i²     without.
+    V + Σ (w_i C_i)² + Σ R_i ((1 − w_i) C_i)²     with caustic paths, and     V + Σ R_i C_i²     without,
+
+all relative to the square of the brightness there.
 
 The last term is the noise of the same light by paths from the camera. These hardly ever find it, so their own samples
 would not tell. V is all other noise, from two samples of some pixels. The number of paths is the best of a few by error
@@ -46,6 +48,8 @@ PILOT_PART, FEWEST, MOST = 0.0025, 256, 4096
 LEAST_GAIN = 1.05  # error × time without caustic paths over that with them, from which on they are used
 TRIMMED = 0.02  # part of the pixels that the estimate of other noise leaves out: bright dots may be caustics
 KEPT_CHANCE = 0.3  # part of a target's chance that does not depend on what the pilot has found there
+PATCH = 8  # side, in pixels, of patches that tell how bright a caustic is
+FLOOR = 0.05  # part of the square of the mean brightness that is added to the squares which errors are relative to
 BATCH = 64 * CHUNK  # paths that are traced before they are added to the picture
 SAME_FROM_ALL_SIDES = {"position", "barycentric"}
 
@@ -226,11 +230,12 @@ class CausticTracer:
         ``alone``: a film with two samples of some pixels."""
         known = np.flatnonzero(alone.count >= 2)
         _, of_all, total, _ = alone.squares[known].T
-        variance = np.sort(np.maximum(of_all - total**2 / 2.0, 0.0))
-        rest = variance[: int((1.0 - TRIMMED) * len(variance))].mean() * self._pixels / SET
+        mean = 0.5 * float(np.sort(total)[: int((1.0 - TRIMMED) * len(total))].mean())
+        noise = np.maximum(of_all - total**2 / 2.0, 0.0) / _square(0.5 * total, mean)
+        rest = float(np.sort(noise)[: int((1.0 - TRIMMED) * len(noise))].mean()) * self._pixels / SET
         # What paths of the pilot would have added in a set, and sums over the paths of a set by those of the pilot.
         light, ratio = self._found["light"].sum(axis=1) * self._scale, self._found["ratio"]
-        squares = light**2 / self._scale
+        squares = light**2 / self._scale / _square(mean + self._brightness(), mean)
         without = rest + float((squares * ratio).sum())
         first, best, found = self._number(ALWAYS_SHARE, RAYS), without / LEAST_GAIN, None
         for share in SHARES:
@@ -241,6 +246,17 @@ class CausticTracer:
             if product < best:
                 best, found = product, share
         return found
+
+    def _brightness(self) -> np.ndarray:
+        """(records,) about how bright the caustic is where the pilot has found it, as a sum of RGB: means of
+        patches."""
+        places = [
+            np.floor((self._found[axis] - self._window[place]) / PATCH).astype(np.int64)
+            for place, axis in enumerate("xy")
+        ]
+        _, patch = np.unique(np.stack(places, axis=1), axis=0, return_inverse=True)
+        light = self._found["light"].sum(axis=1)
+        return np.bincount(patch.ravel(), light)[patch.ravel()] / PATCH**2
 
     def _favour(self) -> None:
         """Aim more at targets by way of which the pilot has found more light."""
@@ -253,3 +269,7 @@ class CausticTracer:
             self._chances = self._chances * factor
             self._chances /= self._chances.sum(axis=1, keepdims=True)
 
+
+def _square(brightness: np.ndarray, mean: float) -> np.ndarray:
+    """What squared errors are relative to."""
+    return brightness**2 + FLOOR * mean**2 + 1e-300

@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Records of caustic paths: light paths of SDF lamps that only mirrors and sharp glass scatter before a surface that the
-camera sees."""
+"""Records of caustic paths: light paths of SDF lamps that only mirrors and sharp glass scatter before a surface that
+the camera sees."""
 
 from __future__ import annotations
 

@@ -212,9 +212,7 @@ def trace_caustic_paths(block, workspace, first, last, total, number, window, re
     seed = pixel_seed(PLACE + number, PLACE + 2, scene.seed)
     for index in range(first, last):
         row = index % len(counts)
-        counts[row, 0], counts[row, 1] = _trace(
-            scene, scratch, index, total, seed, window, records, row * MOST_MIRRORS
-        )
+        counts[row, 0], counts[row, 1] = _trace(scene, scratch, index, total, seed, window, records, row * MOST_MIRRORS)
 
 
 @kernel

@@ -107,11 +107,7 @@ def knows_mirror(block, workspace, wi):
     """Whether a light path could come to the surface of the workspace from wi, and leave along its wo, by mirrors or
     sharp glass alone. This is asked for paths from the camera and for light paths, with the same answer."""
     surface = surface_table(workspace)[0]
-    return (
-        surface.strand == 0
-        and material_table(block)[surface.material] != UNKNOWN
-        and is_reversible(workspace, wi)
-    )
+    return surface.strand == 0 and material_table(block)[surface.material] != UNKNOWN and is_reversible(workspace, wi)
 
 
 @kernel
@@ -153,7 +149,5 @@ def left_to_path(block, workspace, lamp, count, t_to):
     path, number = path_table(workspace)[0], int(lamp)
     if not density_table(block)[number] > 0.0:
         return 1.0
-    ratio = ratio_of(
-        block, workspace, number, vec(path.origin), vec(path.direction), int(count), t_to, path.rival
-    )
+    ratio = ratio_of(block, workspace, number, vec(path.origin), vec(path.direction), int(count), t_to, path.rival)
     return 1.0 - weight_of(ratio)

@@ -32,13 +32,12 @@ from ..ray_continuation import continue_past_surface
 from ..ray_origins import clear_self_primitive, offset_ray_origin, spawn_ray
 from ..rays import SHADOW_OPAQUE, hit_instance, intersect, occluded, ray_table, start_anew
 from ..samplers import get_2d, get_4d, pixel_seed
-from ..shading import evaluate, sample, shade
+from ..shading import sample, shade
 from ..shading.caustics import blur_lobes
 from ..shading.microfacet import reflectance
 from ..shading.records import (
     DIFFUSE,
     MICROFACET,
-    SCATTERED,
     SINGULAR,
     TRANSLUCENT,
     TRANSPARENT,
