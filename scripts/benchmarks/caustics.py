@@ -102,7 +102,10 @@ def measure(name: str, options) -> dict:
     before = statistics.median(_render(scene, WITHOUT, 1, seed, options.device).work for seed in range(3))
     mask = _diffuse_alone(scene)
     made = in_turns(
-        variants, range(seeds), lambda variant, seed: _render(scene, variant, samples, seed, options.device)
+        variants,
+        range(seeds),
+        # The mean with them always on is the reference, and must not have the samples of the others.
+        lambda variant, seed: _render(scene, variant, samples, seed + seeds * (variant == ALWAYS), options.device),
     )
     return dict(caustic=name) | row_of(
         {variant: (stack_of(pile)[:, mask], work_of(pile) - before) for variant, pile in made.items()}
@@ -146,8 +149,9 @@ def row_of(made: dict[str, tuple[np.ndarray, float]]) -> dict:
         each = ((stack - center) ** 2 / square).mean(axis=(1, 2))
         # The mean of its own pictures is nearer to them than the truth.
         found = float(each.mean()) - spread if variant == WITHOUT else float(each.mean()) * count / (count - 1)
-        error[variant], products[variant] = max(found, 1e-12), max(found, 1e-12) * work
-        uncertain[variant] = float(each.std(ddof=1)) / math.sqrt(count) / max(found, 1e-12)
+        found = max(found, 1e-12)
+        error[variant], products[variant] = found, found * work
+        uncertain[variant] = float(each.std(ddof=1)) / math.sqrt(count) / found
     row = {}
     for key, variant in dict(automatic=AUTOMATIC, always=ALWAYS).items():
         row[key] = products[WITHOUT] / products[variant]

@@ -19,6 +19,7 @@ would not tell. V is all other noise, from two samples of some pixels. The numbe
 
 from __future__ import annotations
 
+import math
 import threading
 from collections.abc import Callable
 
@@ -33,7 +34,7 @@ from ..kernels.caustic_paths.trace import add_to_image, trace_caustic_paths
 from ..kernels.outputs.records import LIGHT, LOBES
 from ..kernels.shading.material_records import NO_GRAPH
 from ..scene import Projection, Scene
-from ..settings import START_BRANCHES, CausticPaths
+from ..settings import MOST_BRANCHES, START_BRANCHES, CausticPaths
 from .block import PackedScene, Workspace
 from .caustic_targets import Sources, chances_of, find_targets, may_be_mirrors
 from .light_paths import CHUNK, PILOT_NUMBER, each, powers_of, treats_rays_alike
@@ -45,11 +46,14 @@ SHARES = 0.01, 0.02, 0.04, 0.08, 0.16  # parts of the time of samples, among whi
 ALWAYS_SHARE = 0.04  # where it is not chosen
 # Paths of the pilot: for each pixel and sample of the render, which takes 0.5 % of its time, at least, and at most.
 PILOT_PART, FEWEST, MOST = 0.0025, 256, 4096
-LEAST_GAIN = 1.05  # error × time without caustic paths over that with them, from which on they are used
+LEAST_GAIN = 1.3  # error × time without caustic paths over that with them, from which on they are used
 TRIMMED = 0.02  # part of the pixels that the estimate of other noise leaves out: bright dots may be caustics
 KEPT_CHANCE = 0.3  # part of a target's chance that does not depend on what the pilot has found there
-PATCH = 8  # side, in pixels, of patches that tell how bright a caustic is
-FLOOR = 0.05  # part of the square of the mean brightness that is added to the squares which errors are relative to
+# Records that tell how bright a caustic is, at most; the neighbours whose light is counted; and the least radius around
+# these, in pixels.
+MOST_RECORDS, NEIGHBOURS, LEAST_RADIUS = 1024, 8, 1.0
+OF_PATCH = 8  # pixels with samples in a patch whose brightness without caustics is their mean
+FLOOR = 0.02  # part of the square of the mean brightness that is added to the squares which errors are relative to
 BATCH = 64 * CHUNK  # paths that are traced before they are added to the picture
 SAME_FROM_ALL_SIDES = {"position", "barycentric"}
 
@@ -198,7 +202,8 @@ class CausticTracer:
             "caustic_density": paths * sources.powers / (sources.powers.sum() * volumes),
             "caustic_materials": self._known,
         }
-        branches = scene.settings.indirect_paths or START_BRANCHES
+        # Sample allocation lets paths divide often where caustics make them noisy.
+        branches = scene.settings.indirect_paths or MOST_BRANCHES
         self._packed.set_caustic_paths(tables, {"caustic_samples": float(SET * branches)})
 
     def _traced(self, number: int, total: int, first: int, last: int) -> tuple[np.ndarray, int]:
@@ -233,9 +238,13 @@ class CausticTracer:
         mean = 0.5 * float(np.sort(total)[: int((1.0 - TRIMMED) * len(total))].mean())
         noise = np.maximum(of_all - total**2 / 2.0, 0.0) / _square(0.5 * total, mean)
         rest = float(np.sort(noise)[: int((1.0 - TRIMMED) * len(noise))].mean()) * self._pixels / SET
+        if not self._scene.settings.indirect_paths:
+            rest *= START_BRANCHES / MOST_BRANCHES  # as for caustics: see ``_set_up``
         # What paths of the pilot would have added in a set, and sums over the paths of a set by those of the pilot.
-        light, ratio = self._found["light"].sum(axis=1) * self._scale, self._found["ratio"]
-        squares = light**2 / self._scale / _square(mean + self._brightness(), mean)
+        every = -(-len(self._found) // MOST_RECORDS)
+        records = self._found[::every]
+        light, ratio = records["light"].sum(axis=1) * self._scale, records["ratio"]
+        squares = every * light**2 / self._scale / _square(self._lit(alone, records) + every * _brightness(records), mean)
         without = rest + float((squares * ratio).sum())
         first, best, found = self._number(ALWAYS_SHARE, RAYS), without / LEAST_GAIN, None
         for share in SHARES:
@@ -247,16 +256,22 @@ class CausticTracer:
                 best, found = product, share
         return found
 
-    def _brightness(self) -> np.ndarray:
-        """(records,) about how bright the caustic is where the pilot has found it, as a sum of RGB: means of
-        patches."""
-        places = [
-            np.floor((self._found[axis] - self._window[place]) / PATCH).astype(np.int64)
-            for place, axis in enumerate("xy")
-        ]
-        _, patch = np.unique(np.stack(places, axis=1), axis=0, return_inverse=True)
-        light = self._found["light"].sum(axis=1)
-        return np.bincount(patch.ravel(), light)[patch.ravel()] / PATCH**2
+    def _lit(self, alone: Film, records: np.ndarray) -> np.ndarray:
+        """(records,) the brightness without caustics at their places, as a sum of RGB: means of patches of a film with
+        samples of some pixels."""
+        known = np.flatnonzero(alone.count)
+        side = max(math.ceil(math.sqrt(OF_PATCH * self._pixels / len(known))), 1)
+        rows, columns = (-(-length // side) for length in self._shape)
+        patch = known // self._shape[1] // side * columns + known % self._shape[1] // side
+        light = np.bincount(patch, alone.squares[known, 2], rows * columns)
+        count = np.bincount(patch, alone.count[known], rows * columns)
+        whole = light.sum() / count.sum()
+        means = np.where(count > 0, light / np.maximum(count, 1), whole)
+        x, y = (
+            np.clip((records[axis] - self._window[place]) // side, 0, most - 1).astype(np.int64)
+            for place, (axis, most) in enumerate((("x", columns), ("y", rows)))
+        )
+        return means[y * columns + x]
 
     def _favour(self) -> None:
         """Aim more at targets by way of which the pilot has found more light."""
@@ -273,3 +288,16 @@ class CausticTracer:
 def _square(brightness: np.ndarray, mean: float) -> np.ndarray:
     """What squared errors are relative to."""
     return brightness**2 + FLOOR * mean**2 + 1e-300
+
+
+def _brightness(records: np.ndarray) -> np.ndarray:
+    """(n,) about how bright the caustic is at the places of records (n,) of the pilot, as a sum of RGB: the light of
+    some neighbours over the area of the disk around them. Caustics are bright along lines, which a grid would blur."""
+    light, places = records["light"].sum(axis=1), np.stack([records["x"], records["y"]], axis=1)
+    found = np.empty(len(records))
+    near = min(NEIGHBOURS, len(records))
+    for index, place in enumerate(places):
+        square = ((places - place) ** 2).sum(axis=1)
+        nearest = np.argpartition(square, near - 1)[:near]
+        found[index] = light[nearest].sum() / (np.pi * max(float(square[nearest].max()), LEAST_RADIUS**2))
+    return found

@@ -46,7 +46,8 @@ from .pilot import SAMPLES as PILOT_SAMPLES
 
 TILE = 32
 POLL_SECONDS = 0.05
-CAUSTIC_PIXELS = 1 << 13  # at most, whose samples tell the noise that is not that of caustics
+# Of pixels whose samples tell the noise that is not that of caustics: part, and most.
+CAUSTIC_PART, CAUSTIC_PIXELS = 0.125, 1 << 13
 GRACE_SECONDS = 0.2  # seconds for a cancelled build to end
 
 
@@ -184,7 +185,9 @@ class CpuRenderer:
 
     def _begin_caustics(self, stop: Callable[[], bool]) -> bool:
         """Use caustic paths, as the settings say, or where they pay. Returns False if stopped before the end."""
-        pixels = sample_allocation.bands(self._film, CAUSTIC_PIXELS)
+        active = self._film.active
+        part = min(CAUSTIC_PART, CAUSTIC_PIXELS / len(active))
+        pixels = (sample_allocation.golden_ratio_sequence(len(active)) < part).astype(active.dtype)
         if not self._caustics.begin(lambda: self._trial(pixels, PILOT_SAMPLES, stop)):
             self._caustics = None
         return not stop()
