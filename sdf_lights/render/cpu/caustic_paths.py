@@ -244,7 +244,9 @@ class CausticTracer:
         every = -(-len(self._found) // MOST_RECORDS)
         records = self._found[::every]
         light, ratio = records["light"].sum(axis=1) * self._scale, records["ratio"]
-        squares = every * light**2 / self._scale / _square(self._lit(alone, records) + every * _brightness(records), mean)
+        squares = (
+            every * light**2 / self._scale / _square(self._lit(alone, records) + every * _brightness(records), mean)
+        )
         without = rest + float((squares * ratio).sum())
         first, best, found = self._number(ALWAYS_SHARE, RAYS), without / LEAST_GAIN, None
         for share in SHARES:
