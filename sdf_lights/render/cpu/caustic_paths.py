@@ -46,6 +46,7 @@ SHARES = 0.01, 0.02, 0.04, 0.08, 0.16  # parts of the time of samples, among whi
 ALWAYS_SHARE = 0.04  # where it is not chosen
 # Paths of the pilot: for each pixel and sample of the render, which takes 0.5 % of its time, at least, and at most.
 PILOT_PART, FEWEST, MOST = 0.0025, 256, 4096
+LEAST_SAMPLES = 2 * SET  # of a render that tries them: the last set may be used in part
 LEAST_GAIN = 1.3  # error × time without caustic paths over that with them, from which on they are used
 TRIMMED = 0.02  # part of the pixels that the estimate of other noise leaves out: bright dots may be caustics
 KEPT_CHANCE = 0.3  # part of a target's chance that does not depend on what the pilot has found there
@@ -76,6 +77,16 @@ def supports_caustic_paths(scene: Scene, packed: PackedScene) -> bool:
     )
 
 
+def pilot_paths(scene: Scene) -> int:
+    """How many paths the pilot has; 0 for a render so short that caustic paths are not tried."""
+    x0, y0, x1, y1 = scene.border or (0, 0, scene.width, scene.height)
+    settings, pixels = scene.settings, (x1 - x0) * (y1 - y0)
+    if settings.caustic_paths is CausticPaths.ALWAYS:
+        return min(max(pixels, FEWEST), MOST)
+    wanted = int(PILOT_PART * settings.samples * pixels)
+    return min(wanted, MOST) if wanted >= FEWEST and settings.samples >= LEAST_SAMPLES else 0
+
+
 def materials_of(packed: PackedScene) -> np.ndarray:
     """(materials,) UNKNOWN, KNOWN or MAY_DIFFER.
 
@@ -100,7 +111,7 @@ class CausticTracer:
     def of(cls, scene: Scene, packed: PackedScene, workspaces: list[Workspace]) -> CausticTracer | None:
         """None where the scene cannot use them, or should not; paths from the camera have all light then."""
         packed.set_caustic_paths({}, {})
-        if not supports_caustic_paths(scene, packed):
+        if not (pilot_paths(scene) and supports_caustic_paths(scene, packed)):
             return None
         lamps = packed.table("lamps")[: len(packed.lamps_of(scene))]
         if not len(lamps):
@@ -140,10 +151,7 @@ class CausticTracer:
 
     def _try(self) -> bool:
         """Trace the paths of the pilot. Returns False if these show that caustic paths are of no use."""
-        wanted = PILOT_PART * self._scene.settings.samples * self._pixels
-        if self._automatic and wanted < FEWEST:
-            return False
-        paths = int(min(max(wanted if self._automatic else self._pixels, FEWEST), MOST))
+        paths = pilot_paths(self._scene)
         first = self._number(ALWAYS_SHARE, RAYS)
         self._set_up(first)
         self._found, rays = self._traced(PILOT_NUMBER, paths, 0, paths)

@@ -15,16 +15,23 @@ from ...frozen import frozen
 from ..kernels.caustic_paths.records import TARGETS, UNKNOWN
 from ..kernels.caustic_paths.trace import find_mirrors
 from ..kernels.light_paths.records import TARGET
-from ..kernels.shading.material_records import LOBE_GLASS, LOBE_GLOSSY, LOBE_PRINCIPLED, LOBE_REFRACTION
+from ..kernels.shading.material_records import (
+    LOBE_GLASS,
+    LOBE_GLOSSY,
+    LOBE_PRINCIPLED,
+    LOBE_REFRACTION,
+    NO_GRAPH,
+)
 from ..scene import Instance, Mesh, Primitive, Ray, Scene
 from .block import PackedScene, Workspace
 
 MIRRORS = (LOBE_GLOSSY, LOBE_GLASS, LOBE_REFRACTION, LOBE_PRINCIPLED)
 MOST_PIECES, PIECES = 1 << 14, 1 << 10  # of triangles: in all, and of an instance
+MOST_INSTANCES = 1 << 11  # of which pieces are shaded
 FINE, MOST_SPLITS = 64, 3  # an instance with fewer pieces has its triangles divided in four, so often at most
 SMALL = 1e-3  # part of all directions: a target that fills less is not divided
 WIDER = 1.0 + 1e-6  # factor of radii, for rounding
-SCATTERED = Ray.DIFFUSE | Ray.GLOSSY | Ray.TRANSMISSION
+SCATTERED = int(Ray.DIFFUSE | Ray.GLOSSY | Ray.TRANSMISSION)
 
 
 @frozen
@@ -46,16 +53,25 @@ def find_targets(
     scene: Scene, packed: PackedScene, workspace: Workspace, usable: np.ndarray, sources: Sources
 ) -> np.ndarray:
     """(targets,) ``TARGET``; none if nothing is a mirror. ``usable``: (materials,) of ``may_be_mirrors``."""
-    candidates = [
-        index
-        for index, instance in enumerate(scene.instances)
-        if usable[list(instance.materials)].any()
-        and instance.visibility & SCATTERED
-        and scene.meshes[instance.mesh].primitive == Primitive.TRIANGLES
-    ]
+    constant = packed.table("materials")["graph"] == NO_GRAPH
+    candidates: list[int] = []
+    known: dict[tuple[int, ...], bool] = {}  # whether instances with these materials may have mirrors
+    for index, instance in enumerate(scene.instances):
+        slots = instance.materials
+        if known.get(slots) is False or not int(instance.visibility) & SCATTERED:
+            continue
+        if scene.meshes[instance.mesh].primitive != Primitive.TRIANGLES:
+            continue
+        if slots not in known:
+            used = list(slots)
+            known[slots] = bool(usable[used].any())
+            if known[slots] and constant[used].all():  # one instance tells for all
+                known[slots] = len(_mirrors_of(scene, workspace, index, usable, PIECES)) > 0
+        if known[slots]:
+            candidates.append(index)
+    candidates = candidates[:: max(-(-len(candidates) // MOST_INSTANCES), 1)]
     limit = max(min(MOST_PIECES // max(len(candidates), 1), PIECES), 1)
-    every = max(len(candidates) // MOST_PIECES, 1)
-    pieces = [_mirrors_of(scene, workspace, index, usable, limit) for index in candidates[::every]]
+    pieces = [_mirrors_of(scene, workspace, index, usable, limit) for index in candidates]
     corners = np.concatenate(pieces) if pieces else np.zeros((0, 3, 3))
     if not len(corners):
         return np.zeros(0, TARGET)
