@@ -33,6 +33,7 @@ from ..kernels.caustic_paths.records import KNOWN, MAY_DIFFER, MOST_MIRRORS, REC
 from ..kernels.caustic_paths.trace import add_to_image, trace_caustic_paths
 from ..kernels.outputs.records import LIGHT, LOBES
 from ..kernels.shading.material_records import NO_GRAPH
+from ..kernels.shading.records import NEEDS_RAY
 from ..scene import Projection, Scene
 from ..settings import MOST_BRANCHES, START_BRANCHES, CausticPaths
 from .block import PackedScene, Workspace
@@ -73,6 +74,7 @@ def supports_caustic_paths(scene: Scene, packed: PackedScene) -> bool:
         and settings.filter_glossy == 0.0
         and scene.camera.projection in (Projection.PERSPECTIVE, Projection.ORTHOGRAPHIC)
         and not block["outputs"] & (LOBES | LIGHT)
+        and not (packed.table("materials")["flags"] & NEEDS_RAY).any()
         and treats_rays_alike(scene, packed)
     )
 
