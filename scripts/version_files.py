@@ -129,7 +129,7 @@ def _stage() -> bpy.types.Scene:
     settings.device, settings.samples, settings.noise_threshold, settings.seed = "CPU", 8, 0.0, 7
     # What is measured while it renders may differ between two renders.
     settings.guided_samples, settings.indirect_paths, settings.lamp_paths = False, 1, "NEVER"
-    settings.path_reuse = "NEVER"
+    settings.path_reuse = settings.caustic_paths = "NEVER"
     camera = object_lamps.add("Camera", bpy.data.cameras.new("Camera"), (0.0, -5.0, 1.5), (1.4, 0.0, 0.0))
     scene.camera = camera
     floor = bpy.data.meshes.new("Floor")

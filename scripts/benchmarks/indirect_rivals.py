@@ -68,7 +68,7 @@ def by_paper(bounces: int, device: str) -> Rival:
         settings = scene.sdf_lights
         settings.seed, settings.indirect_paths, settings.guided_samples = seed, 0, True
         settings.lamp_sampling = samplers.register(methods.PAPER, host.program().__name__).value
-        settings.lamp_paths = settings.path_reuse = "NEVER"
+        settings.lamp_paths = settings.path_reuse = settings.caustic_paths = "NEVER"
         try:
             return pictures.render()
         finally:

@@ -29,6 +29,7 @@ PLAIN = dict(
     guided_samples=False,
     lamp_paths="NEVER",
     path_reuse="NEVER",
+    caustic_paths="NEVER",
     filter_glossy=0.0,
 )
 

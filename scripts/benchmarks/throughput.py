@@ -66,6 +66,7 @@ def _prepare(name: str, scene, samples: int, bounces: int, device: str) -> None:
         simple_scenes.plain_sdf_lights(scene, samples, bounces, "CPU" if name in (ON_CPU, BY_PROJECTION[1]) else device)
         # They make samples fewer and better.
         scene.sdf_lights.lamp_paths = scene.sdf_lights.path_reuse = "NEVER"
+        scene.sdf_lights.caustic_paths = "NEVER"
         sampling = LampSampling.MIS if name in BY_PROJECTION else LampSampling.CUT
         scene.sdf_lights.lamp_sampling = sampling.value
 

@@ -177,7 +177,16 @@ _RENDER = (
     _settings_panel(
         "SDFLIGHTS_PT_sampling_advanced",
         "Advanced",
-        ("seed", "animate_seed", "sample_offset", "guided_samples", "indirect_paths", "lamp_paths", "path_reuse"),
+        (
+            "seed",
+            "animate_seed",
+            "sample_offset",
+            "guided_samples",
+            "indirect_paths",
+            "lamp_paths",
+            "path_reuse",
+            "caustic_paths",
+        ),
         "SDFLIGHTS_PT_sampling",
         closed=True,
     ),

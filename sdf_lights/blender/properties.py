@@ -14,7 +14,7 @@ import zlib
 import bpy
 from bpy.app.handlers import persistent
 
-from ..render.settings import Device, Filter, LampPaths, PathReuse, Settings
+from ..render.settings import CausticPaths, Device, Filter, LampPaths, PathReuse, Settings
 from ..sdf.catalogue import grouped
 from ..sdf.shapes import SHAPES, Shape
 from . import cycles, objects, parameters
@@ -42,6 +42,9 @@ CHOICES = {
     PathReuse.AUTOMATIC: "Use it in final renders without denoising, if the first samples show that it reduces the noise",
     PathReuse.ALWAYS: "Use it wherever the scene allows it",
     PathReuse.NEVER: "Do not use it",
+    CausticPaths.AUTOMATIC: "Use them in final renders, if the first paths show that they reduce the noise",
+    CausticPaths.ALWAYS: "Use them in final renders wherever the scene allows it",
+    CausticPaths.NEVER: "Do not use them",
     Filter.BOX: "All samples within the width count equally. Edges are sharp, and may look jagged",
     Filter.GAUSSIAN: "Samples near the middle of the pixel count more. Edges are soft",
     Filter.BLACKMAN_HARRIS: "Like Gaussian, with a narrower middle. The default of Cycles",

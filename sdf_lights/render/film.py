@@ -10,7 +10,7 @@ import numpy as np
 
 from .passes import BY_NAME, CATCHER_SUMS, DATA_SUMS, Pass, Rule, data_width, is_light, matte_of
 from .scene import Scene, catches_shadows
-from .settings import START_BRANCHES
+from .settings import START_BRANCHES, CausticPaths
 
 # Values that a pixel sums for each pass. "half" sums half of the samples of "combined", to estimate the noise.
 CHANNELS = {
@@ -47,6 +47,7 @@ LEAST_SAMPLES = 2 * HALF_BIT
 # Kinds of samples that are not finite; each pixel has a count of each.
 DISCARDED = ("NaN", "infinite")
 DENOISED_BYTES = 4 * (4 + 3 + 3 + 3)  # of a pixel: the picture, its guides, and the result
+CAUSTIC_BYTES = 2 * 3 * 8  # of a pixel: the sums of caustic paths, and the picture of a set
 DIVIDED, SQUARES = 5, 4  # sums about the cost of branches, and the scatter of samples
 GREATEST = float(np.finfo(np.float32).max)  # largest number for a pixel of a pass
 
@@ -63,6 +64,7 @@ def bytes_of_a_pixel(scene: Scene, passes: tuple[str, ...] = ()) -> int:
     held = sum(array.nbytes for array in arrays if isinstance(array, np.ndarray))
     earlier = film.count.nbytes + film.sums["combined"].nbytes  # copies at the last decision, see ``earlier``
     denoising = DENOISED_BYTES if scene.settings.denoise else 0
+    denoising += CAUSTIC_BYTES if scene.settings.caustic_paths is not CausticPaths.NEVER else 0
     return held + earlier + denoising + sum(4 * len(item.channels) for item in map(film._table.get, film.passes))
 
 
@@ -101,6 +103,8 @@ class Film:
       ``next_update``: with how many samples that is decided again (``sample_allocation.py``).
     - ``earlier``: counts and sums at the last such decision.
     - ``branches``: into how many the paths of a pixel divide, where the back end lets them (``sample_allocation.py``).
+    - ``caustics``: (pixels, RGB) the light of caustic paths, one picture for each of ``caustic_samples`` samples; no
+      rows, where there are none.
     - ``samples``: how many samples every active pixel has received whose rate is 1.
     - ``made_by``: what computed them, in words for the user.
     """
@@ -143,6 +147,7 @@ class Film:
         self.branches = np.full(pixels, scene.settings.indirect_paths or START_BRANCHES, np.int32)
         self.rate, self.next_update = np.ones(pixels), 0
         self.discarded = np.zeros(pixels * len(DISCARDED), np.int32)
+        self.caustics, self.caustic_samples = np.zeros((0, 3)), 0
         self._denoised: np.ndarray | None = None
         self._clean_shadow: np.ndarray | None = None
 
@@ -153,6 +158,18 @@ class Film:
         for array in (self.divided, self.squares, self.discarded):
             array[...] = 0
         self.samples, self.earlier = 0, None
+        self.caustics, self.caustic_samples = np.zeros((0, 3)), 0
+
+    def add_caustics(self, image: np.ndarray, samples: int) -> None:
+        """Add the light (pixels, RGB) of caustic paths that so many samples share with them."""
+        if not len(self.caustics):
+            self.caustics = np.zeros(image.shape)
+        self.caustics += samples * image
+        self.caustic_samples += samples
+
+    def caustic_light(self) -> np.ndarray:
+        """(pixels, RGB) mean of the light of caustic paths; no rows, where there are none."""
+        return self.caustics / max(self.caustic_samples, 1)
 
     def read(self, name: str, rows: slice = slice(None)) -> np.ndarray:
         """(height, width, channels) float32 of the pass ``name``, from the samples so far; of the given rows, or of
@@ -185,6 +202,8 @@ class Film:
             value /= np.maximum(weight, 1)
         if len(others) > 1:
             value[:, :3] += others[0] / np.maximum(others[1], 1)
+        if len(self.caustics) and item.source in SCATTERED:
+            value[:, :3] += of(self.caustic_light())
         if item.per is not None:
             color = others[-1] / np.maximum(weight, 1)
             value = np.divide(value, color, out=np.zeros_like(value), where=color != 0.0)
@@ -297,9 +316,11 @@ class Film:
 
     def light(self) -> tuple[np.ndarray, np.ndarray]:
         """(pixels, RGB) means of all samples, and of "half" alone."""
+        caustics = self.caustic_light() if len(self.caustics) else 0.0
         return tuple(
             self.sums[name].reshape(len(self.count), -1)[:, :3] / np.maximum(count, 1)[:, None]
             + self.sums[SCATTERED[name]].reshape(-1, 3) / np.maximum(branches, 1)[:, None]
+            + caustics
             for name, count, branches in (
                 ("combined", self.count, self.divided[:, 0]),
                 ("half", half_count(self.count), self.divided[:, 1]),

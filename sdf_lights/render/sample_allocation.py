@@ -240,6 +240,8 @@ def _noise(film: Film, known: np.ndarray) -> _Noise | None:
     informed = known & ((freedom > 0.0) | (not freedom.any()))
     branch = of_branches / np.maximum(freedom, 1.0)
     part = film.divided[:, 3] / count
+    if len(film.caustics):
+        after = after + film.caustic_light().sum(axis=1)
     brightness = _neighbour_means(before, known, shape, NEXT) + _neighbour_means(after, known, shape, FAR)
     mean = np.mean((before + after)[known])
     weight = 1.0 / np.maximum(brightness**2 + FLOOR * mean**2, 1e-30)

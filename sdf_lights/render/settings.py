@@ -48,6 +48,14 @@ class PathReuse(enum.Enum):
     NEVER = "NEVER"
 
 
+class CausticPaths(enum.Enum):
+    """Whether paths from SDF lamps by way of mirrors and glass are connected to the camera (docs/sampling.md)."""
+
+    AUTOMATIC = "AUTOMATIC"  # in final renders, where the first paths show that it pays
+    ALWAYS = "ALWAYS"  # in final renders, where the scene can have it
+    NEVER = "NEVER"
+
+
 class Filter(enum.Enum):
     """Pixel filters, as in Cycles."""
 
@@ -130,6 +138,12 @@ class Settings:
         "alike in neighbours. Automatic measures whether it pays, and leaves it out where the picture is denoised. Only "
         "on the CPU and in final renders",
         label="Path Reuse",
+    )
+    caustic_paths: CausticPaths = _setting(
+        CausticPaths.AUTOMATIC,
+        "Trace paths from SDF lamps by way of mirrors and sharp glass to what the camera sees. This gives much less "
+        "noise in caustics. Automatic measures whether it pays. Only on the CPU and in final renders",
+        label="Caustics from Lamps",
     )
     clamp_direct: float = _setting(
         0.0, "Maximum value that one sample of direct light adds. 0 is no clamp, and no bias", 0.0, None

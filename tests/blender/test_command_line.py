@@ -45,7 +45,7 @@ scene.sdf_lights.samples = 16
 # Ranges of samples then make the picture of one render: see docs/farm.md.
 scene.sdf_lights.guided_samples, scene.sdf_lights.noise_threshold = False, 0.0
 scene.sdf_lights.indirect_paths, scene.sdf_lights.lamp_paths = 1, "NEVER"
-scene.sdf_lights.path_reuse = "NEVER"
+scene.sdf_lights.path_reuse = scene.sdf_lights.caustic_paths = "NEVER"
 bpy.ops.wm.save_as_mainfile(filepath={path!r})
 """
 

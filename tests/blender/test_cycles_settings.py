@@ -15,7 +15,7 @@ from sdf_lights.render.settings import Filter, Settings
 pytest.importorskip("_cycles")
 
 # What only this engine has.
-OUR_OWN = {"device", "lamp_sampling", "indirect_paths", "guided_samples", "lamp_paths", "path_reuse"}
+OUR_OWN = {"device", "lamp_sampling", "indirect_paths", "guided_samples", "lamp_paths", "path_reuse", "caustic_paths"}
 
 MADE = {
     "samples": 77,

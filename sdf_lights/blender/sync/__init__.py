@@ -13,7 +13,7 @@ from ...render.displacement import CyclesVersion, displace
 from ...render.material import UV
 from ...render.passes import BY_NAME
 from ...render.scene import Camera, Scene
-from ...render.settings import LampPaths, PathReuse, Settings
+from ...render.settings import CausticPaths, LampPaths, PathReuse, Settings
 from .. import cycles, preferences, versions
 from ..passes import is_enabled, layer_passes
 from ..properties import layer_samples, settings_of
@@ -138,6 +138,8 @@ def frame_settings(scene: bpy.types.Scene, viewport: bool = False) -> Settings:
         settings.lamp_paths = LampPaths.NEVER  # it would have to be measured anew at each edit
     if viewport and settings.path_reuse is PathReuse.AUTOMATIC:
         settings.path_reuse = PathReuse.NEVER
+    if viewport:
+        settings.caustic_paths = CausticPaths.NEVER
     if settings.animate_seed:
         settings.seed = (settings.seed + scene.frame_current * _FRAME_STRIDE) & 0x7FFFFFFF
     return settings

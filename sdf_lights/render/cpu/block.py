@@ -14,6 +14,8 @@ from ..errors import RenderError
 from ..film import Film
 from ..kernels import camera, geometry, lamp_tree, lights, motion, path, shading
 from ..kernels import film as film_kernels
+from ..kernels.caustic_paths import code_table as caustic_path_code
+from ..kernels.caustic_paths import records as caustic_path_records
 from ..kernels.light_paths import code_table as light_path_code
 from ..kernels.light_paths import records as light_path_records
 from ..kernels.media import code_table as media_code
@@ -89,6 +91,7 @@ class PackedScene:
             {"has_subsurface": bool(deep.any())},
         )
         self.set_light_paths({}, {})
+        self.set_caustic_paths({}, {})
         self.set_path_reuse(0)
         self._segments: list[motion.Moving] = []
         self.update_lights(scene)
@@ -166,6 +169,14 @@ class PackedScene:
         empty = {name: np.zeros(0, dtype) for name, dtype in light_path_records.TABLES.items()}
         code = {"light_path_code": light_path_code.addresses(connects, (BLOCK, WORKSPACE))}
         self._fill(empty | tables | code, scalars | {"light_paths": connects})
+
+    def set_caustic_paths(self, tables: dict[str, np.ndarray], scalars: dict[str, float]) -> None:
+        """Share light behind mirrors with the caustic paths of these tables of ``caustic_paths.records``; with none
+        without them."""
+        shares = "caustic_power" in tables
+        empty = {name: np.zeros(0, dtype) for name, dtype in caustic_path_records.TABLES.items()}
+        code = {"caustic_code": caustic_path_code.addresses(shares, (BLOCK, WORKSPACE))}
+        self._fill(empty | tables | code, scalars | {"caustic_paths": shares})
 
     def update_lights(self, scene: Scene) -> None:
         """Take the lamps and lights of ``scene``. Its meshes, materials and world must be unchanged.

@@ -111,13 +111,21 @@ def supports_light_paths(scene: Scene, packed: PackedScene) -> bool:
     return bool(
         settings.lamp_paths is not LampPaths.NEVER
         and settings.max_bounces > 0
-        and not 0.0 < settings.clamp_indirect < LEAST_CLAMP
         and vertices_of(scene, packed) <= MOST_VERTICES
         and (settings.transparent_bounces > 0 or not block["transparent_shadows"])
-        and is_alike(scene, packed)
+        and treats_rays_alike(scene, packed)
         and not block["outputs"] & LOBES
         and not (packed.table("lobes")["features"] & ONCE).any()
         and not (packed.table("materials")["flags"][_on_strands(scene)] & HAS_TRANSPARENCY).any()
+    )
+
+
+def treats_rays_alike(scene: Scene, packed: PackedScene) -> bool:
+    """``is_alike``; no material asks for the ray that meets it, or traces rays; and indirect light is not clamped
+    strongly."""
+    return bool(
+        not 0.0 < scene.settings.clamp_indirect < LEAST_CLAMP
+        and is_alike(scene, packed)
         and not (packed.table("materials")["flags"] & (STOPS_LIGHT_RAYS | TRACES_RAYS)).any()
         and not any(
             node.kind == VARIABLE and node.value[0] in BY_PATH
@@ -413,7 +421,7 @@ class LightPaths:
                     workspace.scene, workspace.block, start, start + CHUNK, paths, number, self._width, raw, lengths
                 )
 
-        _each(work, self._workspaces)
+        each(work, self._workspaces)
         return raw, lengths
 
 
@@ -422,7 +430,7 @@ def _paths(wanted: float, most: int) -> int:
     return CHUNK * min(max(round(wanted / CHUNK), 1), most // CHUNK)
 
 
-def _each(work: Callable[[Workspace], None], workspaces: list[Workspace]) -> None:
+def each(work: Callable[[Workspace], None], workspaces: list[Workspace]) -> None:
     """Do the work in a thread for each workspace; the first error is raised here."""
     with ThreadPoolExecutor(len(workspaces)) as pool:
         for done in [pool.submit(work, workspace) for workspace in workspaces]:

@@ -25,6 +25,8 @@ from ...sdf.data import simplest
 from ...sdf.emission import EmissionExpression
 from ...sdf.shapes import SHAPES, Box, Difference, Sphere
 from ..film import Film
+from ..kernels.caustic_paths import code_table as caustic_path_code
+from ..kernels.caustic_paths import trace as caustic_trace
 from ..kernels.light_paths import code_table as light_path_code
 from ..kernels.light_paths import distant, places, trace, tree
 from ..kernels.media import code_table as media_code
@@ -39,8 +41,9 @@ from ..kernels.workspace import WORKSPACE
 from ..material import Material, Node
 from ..nodes import common
 from ..scene import Camera, Instance, Lamp, Mesh, Scene, World
-from ..settings import Settings
+from ..settings import CausticPaths, Settings
 from .block import PackedScene, Workspace
+from .caustic_paths import CausticTracer
 from .light_paths import LightPaths
 from .path_reuse import render_tile_reusing
 from .path_splitting import render_tile
@@ -98,11 +101,13 @@ def _paths() -> tuple[list, Callable[[], None]]:
 
 
 def _light_paths() -> tuple[list, Callable[[], None]]:
-    """Light paths, their tree, and connections with them."""
+    """Light paths, their tree, and connections with them; and caustic paths."""
     kernels = [
         *(kernel for kernel, _ in light_path_code.KERNELS.values()),
         *(tree.build, tree.place, trace.trace_light_paths, trace.weight_by_visibility),
         *(places.find_places, distant.measure),
+        *(kernel for kernel, _ in caustic_path_code.KERNELS.values()),
+        *(caustic_trace.trace_caustic_paths, caustic_trace.add_to_image, caustic_trace.find_mirrors),
     ]
 
     def run() -> None:
@@ -112,6 +117,13 @@ def _light_paths() -> tuple[list, Callable[[], None]]:
         light_paths = LightPaths.of(scene, packed, [Workspace(packed)])
         assert light_paths is not None
         light_paths.use(0)
+        scene.materials = [Material("Floor", Node("glossy", {"color": (0.5, 0.5, 0.5), "roughness": 0.0}))]
+        scene.settings.caustic_paths = CausticPaths.ALWAYS
+        film = Film(scene, ())
+        packed = PackedScene(scene, film)
+        caustics = CausticTracer.of(scene, packed, [Workspace(packed)])
+        assert caustics is not None and caustics.begin(lambda: None)
+        caustics.use(film, 0, 1, lambda: False)
 
     return kernels, run
 

@@ -21,6 +21,7 @@ from ..scene import Scene
 from ..settings import MOST_BRANCHES, PathReuse
 from . import background
 from .block import PackedScene, Workspace
+from .caustic_paths import CausticTracer
 from .light_paths import LightPaths
 from .path_reuse import MOST_STEP, render_tile_reusing, step_for, supports_path_reuse
 from .path_splitting import render_tile
@@ -47,6 +48,8 @@ from .pilot import SAMPLES as PILOT_SAMPLES
 
 TILE = 32
 POLL_SECONDS = 0.05
+# Of pixels whose samples tell the noise that is not that of caustics: part, and most.
+CAUSTIC_PART, CAUSTIC_PIXELS = 0.125, 1 << 13
 GRACE_SECONDS = 0.2  # seconds for a cancelled build to end
 
 
@@ -60,6 +63,7 @@ class CpuRenderer:
         self._warnings = scene.warnings
         self._packed: PackedScene | None = None
         self._light_paths: LightPaths | None = None
+        self._caustics: CausticTracer | None = None
         self._may_reuse = self._reuses = False  # whether paths may share branches, and whether they do
         self._workspaces: list[Workspace] = []
         self._tiles = _tiles(film)
@@ -124,6 +128,7 @@ class CpuRenderer:
     def _find_strategies(self, scene: Scene, packed: PackedScene) -> None:
         """Find out which strategies for light that surfaces scatter the scene can have. None is used yet."""
         self._light_paths = LightPaths.of(scene, packed, self._workspaces)
+        self._caustics = CausticTracer.of(scene, packed, self._workspaces)
         self._may_reuse = supports_path_reuse(scene, packed)
         self._reuse(0)
 
@@ -151,6 +156,8 @@ class CpuRenderer:
         if not self.ready:
             return False
         film, begun = self._film, 0.0
+        if first == 0 and self._caustics is not None and not self._begin_caustics(stop):
+            return False
         if first == 0 and self._light_paths is not None and not self._light_paths.automatic:
             self._light_paths.use(first)
         before = sample_allocation.first_pixels(film, self._settings) if first == 0 else None
@@ -163,7 +170,11 @@ class CpuRenderer:
             return False
         at, end = first, first + count
         while at < end:
-            to = min(self._light_paths.use(at), end) if self._light_paths is not None else end
+            to: int | None = min(self._light_paths.use(at), end) if self._light_paths is not None else end
+            if self._caustics is not None:
+                to = self._caustics.use(film, at, to, stop)
+            if to is None:
+                return False
 
             def report_part(part: float, at: int = at, to: int = to) -> None:
                 report(begun + (1.0 - begun) * (at - first + part * (to - at)) / count)
@@ -173,6 +184,15 @@ class CpuRenderer:
             at = to
         film.samples = end
         return True
+
+    def _begin_caustics(self, stop: Callable[[], bool]) -> bool:
+        """Use caustic paths, as the settings say, or where they pay. Returns False if stopped before the end."""
+        active = self._film.active
+        part = min(CAUSTIC_PART, CAUSTIC_PIXELS / len(active))
+        pixels = (sample_allocation.golden_ratio_sequence(len(active)) < part).astype(active.dtype)
+        if not self._caustics.begin(lambda: self._trial(pixels, PILOT_SAMPLES, stop)):
+            self._caustics = None
+        return not stop()
 
     def _choose(self, stop: Callable[[], bool]) -> bool:
         """Use light paths, path reuse or both, as the settings say, or where they pay. The film begins anew if a

@@ -346,6 +346,22 @@ def view_depth(block, position):
 
 
 @kernel
+def pixel_through_lens(camera, position, u1, u2):
+    """Pixel (x, y), as in ``pixel_of``, at which a perspective or orthographic camera shows a position by the point
+    (u1, u2) of its lens."""
+    x, y = pixel_of(camera, position, False)
+    if camera.aperture <= 0.0:
+        return x, y
+    m = camera.matrix
+    offset = (position[0] - m[0, 3], position[1] - m[1, 3], position[2] - m[2, 3])
+    depth = -(m[0, 2] * offset[0] + m[1, 2] * offset[1] + m[2, 2] * offset[2])
+    # The line from the lens to the position crosses the plane in focus beside the line from the middle of the lens.
+    shift = 1.0 / camera.focus - 1.0 / depth if camera.projection == PERSPECTIVE else depth / camera.focus - 1.0
+    lens_x, lens_y = sample_lens(camera, u1, u2)
+    return x + shift * lens_x / camera.step[0], y + shift * lens_y / camera.step[1]
+
+
+@kernel
 def pixel_of(camera, position, distant):
     """Pixel (x, y) from the lower left corner of the whole frame at which a camera shows a position; for an infinitely
     ``distant`` object, the position is its direction."""

@@ -13,6 +13,7 @@ from ...jit import kernel
 from ...replaced import replaced_on_gpu
 from ...vec import is_zero, mul, scale, vec
 from . import lights
+from .caustic_paths import dispatch as caustic_paths
 from .emission_graphs import modulated
 from .geometry import surface_table
 from .lamp_tree import found_table, lamps_along
@@ -122,7 +123,10 @@ def gather_lamps(block, workspace, t_to):
             radiance = scale(radiance, lights.camera_brightness(block, lamp))
         if is_zero(radiance):
             continue
-        contribute(block, workspace, radiance, _lamp_mis(block, workspace, lamp, count), lamp, path.bounce)
+        weight = _lamp_mis(block, workspace, lamp, count)
+        if block.caustic_paths and path.caustic > 1 and path.transparent == 0:
+            weight *= caustic_paths.left_to_path(block, workspace, lamp, count, t_to)
+        contribute(block, workspace, radiance, weight, lamp, path.bounce)
 
 
 @replaced_on_gpu

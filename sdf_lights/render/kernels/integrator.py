@@ -16,6 +16,7 @@ from ...jit import kernel
 from ...vec import absolute, average, dot, largest, mul, negate, put, put_sum, scale, sub, vec
 from . import lights
 from .camera import camera_ray, filter_offset, view_depth
+from .caustic_paths import dispatch as caustic_paths
 from .gather import gather_lamps, gather_lights, gather_surface, gather_world, last_lamp_exit
 from .geometry import find_surface, instance_table, shading_material_table, surface_table
 from .light_paths import dispatch as light_paths
@@ -183,6 +184,7 @@ def scatter(block, workspace):
         outputs.divide(block, workspace, wi, kind, DIFFUSE | GLOSSY | TRANSMISSION, 0)
     if block.has_subsurface and kind & INTO_SUBSURFACE:
         path.connects = NOWHERE
+        path.caustic = 0
         put(path.throughput, throughput)
         put(path.direction, wi)
         return subsurface.scatter(block, workspace)
@@ -209,6 +211,8 @@ def scatter(block, workspace):
     if block.light_paths and path.connects_again and kind & SINGULAR == 0:
         path.connects = BEFORE
         put(path.connection_weight, WHITE)
+    if block.caustic_paths:
+        caustic_paths.follow(block, workspace, wi, pdf, kind)
     put(path.origin, position)
     put(path.normal, vec(surface.n))
     put(path.start, spawn_ray(workspace, surface, wi))
@@ -267,7 +271,7 @@ def start_path(block, workspace, x, y):
     path.event, path.in_medium, path.crossed, path.catches, path.connects = AT_SURFACE, 0, 0, 0, NOWHERE
     path.stopped = 0
     path.path_weight = path.unconnected = 1.0
-    path.connects_again = path.reused = 0
+    path.connects_again = path.reused = path.caustic = 0
     path.dimension = CAMERA_SETS
     path.branch_weight, path.scattered, path.light_tree = 1.0, 0, 0
     path.kept = path.found = -1

@@ -22,6 +22,7 @@ from ..scene import Instance, Lamp, Mesh, Primitive, Scene
 from ..settings import LampSampling
 from ..strands import margin
 from . import camera, emission_graphs, film, geometry, integrator, lamp_tree, lights, motion, rays, shading
+from .caustic_paths import records as caustic_path_records
 from .light_paths import records as light_path_records
 from .lights import kinds
 from .media import pack as media
@@ -59,6 +60,7 @@ TABLES = _together(
     media_records.TABLES,
     subsurface_records.TABLES,
     light_path_records.TABLES,
+    caustic_path_records.TABLES,
     path_reuse_records.TABLES,
     {"control": np.dtype(np.int64)},
 )
@@ -77,6 +79,7 @@ SCALARS = [
     *motion.SCALARS,
     *output_records.SCALARS,
     *light_path_records.SCALARS,
+    *caustic_path_records.SCALARS,
     *path_reuse_records.SCALARS,
 ]
 BLOCK = block_dtype(TABLES, SCALARS)

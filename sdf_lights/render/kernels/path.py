@@ -82,7 +82,10 @@ SAMPLE = np.dtype(
 # intervals of the lamp ``kept`` along the ray; −1: of none. ``reused`` says whether the light of a branch is shared
 # among the paths of a group: UNSHARED, ARRIVES on the way to the surface that may be, REUSED there if it is, or MIXED
 # if it scatters as the mixture of what all see, and ONWARD behind it. ``row`` is that of the sample of a branch's own
-# path, and ``scale`` the largest throughput as the branch began.
+# path, and ``scale`` the largest throughput as the branch began. ``caustic`` is 0 unless the path has been scattered at
+# the first surface that the camera sees by a lobe that is not singular, and by mirrors and sharp glass alone after
+# that: then 1, and 1 more for each of these. ``rival`` is what light paths that find the same light compete with: see
+# ``caustic_paths.weights``.
 PATH = np.dtype(
     [
         ("origin", "f8", 3),
@@ -137,6 +140,8 @@ PATH = np.dtype(
         ("reused", "i8"),
         ("row", "i8"),
         ("scale", "f8"),
+        ("caustic", "i8"),
+        ("rival", "f8"),
     ],
     align=True,
 )

@@ -32,13 +32,12 @@ from ..ray_continuation import continue_past_surface
 from ..ray_origins import clear_self_primitive, offset_ray_origin, spawn_ray
 from ..rays import SHADOW_OPAQUE, hit_instance, intersect, occluded, ray_table, start_anew
 from ..samplers import get_2d, get_4d, pixel_seed
-from ..shading import evaluate, sample, shade
+from ..shading import sample, shade
 from ..shading.caustics import blur_lobes
 from ..shading.microfacet import reflectance
 from ..shading.records import (
     DIFFUSE,
     MICROFACET,
-    SCATTERED,
     SINGULAR,
     TRANSLUCENT,
     TRANSPARENT,
@@ -48,9 +47,9 @@ from ..visibility import shadow_ray
 from ..workspace import secondary_table
 from .connections import breadth
 from .distant import leave_distant
+from .mirrors import mirrored, scattered_flux
 from .records import CONNECTS, FOLLOW_ALL, FOLLOW_DIFFUSE, PLACE, material_table, power_table
 
-SAME_DIRECTION = 1.0 - 1e-9  # cosine of the angle between what a mirror gives and what it should
 VISIBILITY_RAYS, LEAST_VISIBILITY = 4, 0.02  # rays from a vertex to pilots; what it counts where none of these see it
 # What a side of a rough surface counts at least, if light may leave there: microfacets that are turned away scatter
 # some where the smooth surface has total reflection.
@@ -83,6 +82,22 @@ def _leave_triangle(block, workspace, emitter, u1, u2, u3, u4):
 
 
 @kernel
+def leave_lamp(block, lamp, u1, u2, u3):
+    """A uniform point of an SDF lamp, and the radiant intensity (RGB, W/sr) with which it stands for the whole lamp."""
+    center = vec(lamp_table(block)[lamp].center)
+    offset = lamps.interior_offset(block, lamp, center, u1, u2, u3)
+    return add(center, offset), uniform_intensity(block, lamp, offset)
+
+
+@kernel
+def any_direction(u1, u2):
+    """A uniform direction."""
+    z, around = 1.0 - 2.0 * u1, 2.0 * math.pi * u2
+    s = math.sqrt(max(1.0 - z * z, 0.0))
+    return s * math.cos(around), s * math.sin(around), z
+
+
+@kernel
 def _start(block, workspace, index, total, seed):
     """Emitter, start, direction and flux (RGB, W) of a light path, and how far from there its light begins to be
     scattered at most. The emitter is −1 if there is no light."""
@@ -105,12 +120,8 @@ def _start(block, workspace, index, total, seed):
             back = negate(direction)
             flux = modulated(block, workspace, emitter, flux, add(origin, direction), back, 1.0, NO_RAY)
         return emitter, origin, direction, scale(flux, part), reach
-    center = vec(lamp_table(block)[emitter].center)
-    offset = lamps.interior_offset(block, emitter, center, u[1], u[2], u[3])
-    z, around = 1.0 - 2.0 * v[0], 2.0 * math.pi * v[1]
-    s = math.sqrt(max(1.0 - z * z, 0.0))
-    flux = scale(uniform_intensity(block, emitter, offset), 4.0 * math.pi * part)
-    return emitter, add(center, offset), (s * math.cos(around), s * math.sin(around), z), flux, np.inf
+    origin, intensity = leave_lamp(block, emitter, u[1], u[2], u[3])
+    return emitter, origin, any_direction(v[0], v[1]), scale(intensity, 4.0 * math.pi * part), np.inf
 
 
 @kernel
@@ -136,56 +147,6 @@ def _is_lit(block, workspace, emitter, origin, direction, position, distance):
         return True
     start_anew(block, workspace)
     return not occluded(block, workspace, origin, way, 0.0, begins - distance, SHADOW_OPAQUE)
-
-
-@kernel
-def _mirrored(workspace, wi):
-    """What singular closures scatter from wi to the surface's wo, the chance with which they are drawn, and the ratio
-    of the solid angle at wo to that at wi, by the cosines there."""
-    surface, closures = surface_table(workspace)[0], closure_table(workspace)
-    wo, total, chance, ratio = vec(surface.wo), ZERO, 0.0, 1.0
-    for index in range(surface.closure_count):
-        closure = closures[index]
-        if closure.kind != MICROFACET or closure.singular == 0 and closure.ior != 1.0:
-            continue
-        n = vec(closure.normal)
-        cosine = dot(n, wo)
-        if cosine <= 0.0:
-            continue
-        r, t, cosine_t = reflectance(closure, cosine)
-        all_of_it = average(add(r, t))
-        if all_of_it <= 0.0:
-            continue
-        back = sub(scale(n, 2.0 * cosine), wo)
-        if dot(back, wi) > SAME_DIRECTION:
-            total = add(total, mul(r, vec(closure.weight)))
-            chance += closure.pick * average(r) / all_of_it
-            continue
-        eta = 1.0 / closure.ior
-        through = negate(wo) if closure.ior == 1.0 else sub(scale(n, eta * cosine - cosine_t), scale(wo, eta))
-        if dot(through, wi) > SAME_DIRECTION:
-            total = add(total, mul(t, vec(closure.weight)))
-            chance += closure.pick * average(t) / all_of_it
-            ratio = abs(dot(n, wi)) * closure.ior * closure.ior / cosine
-    return total, chance, ratio
-
-
-@kernel
-def _scattered(block, workspace, wi, kind, pdf):
-    """Factor of the flux that came from wi and left along the wo of the workspace's surface, which was drawn with
-    ``pdf``; and the chance that a path from the camera, which scatters from wo to wi, counts this as glossy, not as
-    diffuse."""
-    surface = surface_table(workspace)[0]
-    if kind & TRANSPARENT:
-        return scale(vec(surface.transparency), 1.0 / pdf), 0.0
-    ng = vec(surface.ng)
-    turn = abs(dot(ng, vec(surface.wo))) / (abs(dot(ng, wi)) * pdf)
-    if kind & SINGULAR:
-        value, _, ratio = _mirrored(workspace, wi)
-        return scale(value, turn * ratio), 1.0
-    kinds = SCATTERED if material_table(block)[surface.material] & FOLLOW_ALL else DIFFUSE
-    value, density, glossy_pdf = evaluate(block, workspace, wi, kinds)
-    return scale(value, turn), glossy_pdf / density if density > 0.0 else 0.0
 
 
 @kernel
@@ -238,7 +199,7 @@ def _trace(block, workspace, index, total, seed, raw, first, width):
             shade(block, secondary)
             blur_lobes(block, secondary, _expected_density(abs(dot(vec(surface.n), direction))))
             before = largest(flux)
-            factor, gloss = _scattered(block, secondary, wi, kind, pdf)
+            factor, gloss = scattered_flux(block, secondary, wi, kind, pdf)
             flux = mul(flux, factor)
             u = get_2d(index, seed, dimension + 1)
             survival = min(largest(flux) / before, 1.0)
@@ -296,7 +257,7 @@ def _trace(block, workspace, index, total, seed, raw, first, width):
             if flags & FOLLOW_ALL == 0 and (flags & FOLLOW_DIFFUSE == 0 or kind & SINGULAR):
                 return count
             if kind & SINGULAR:
-                _, pdf, _ = _mirrored(workspace, direction)
+                _, pdf, _ = mirrored(workspace, direction)
                 if pdf <= 0.0:
                     return count
             if scatters == 1:
