@@ -43,6 +43,7 @@ SAMPLES, QUICK_SAMPLES = 32, 16
 LIGHTS_SAMPLES = 64  # without SDF lamps, shorter renders do not try light paths
 INTERIORS_SIZE = 128  # smaller renders would mostly measure what comes before the first sample
 SEEDS, QUICK_SEEDS = 8, 3
+TRUTH = 16  # times as many samples, of as many seeds, tell the errors of denoised pictures
 DOCUMENT = host.REPOSITORY / "docs" / "sampling.md"
 BEGIN, END = "<!-- indirect -->", "<!-- end of indirect -->"
 COLUMNS = dict(gain="without both", paper="the paper's sampler", cycles="Cycles", cycles_guided="Cycles, path guiding")
@@ -55,10 +56,13 @@ def arguments(parser) -> None:
     parser.add_argument(
         "--rooms", type=some_of(SCENES), metavar="SCENES", help=f"with commas between: {', '.join(SCENES)}"
     )
+    parser.add_argument("--denoised", action="store_true", help="compare denoised pictures of rooms with Cycles', too")
     parser.add_argument("--no-rivals", dest="rivals", action="store_false", help="compare only with and without both")
 
 
-def _render(name: str, scene, variant: str, samples: int, seed: int, device: str, reuse: str = "") -> pictures.Picture:
+def _render(
+    name: str, scene, variant: str, samples: int, seed: int, device: str, reuse: str = "", denoise: bool = False
+) -> pictures.Picture:
     if name in ORDINARY:
         beside_cycles.settings(scene, beside_cycles.GUIDED, samples, seed, device)
     else:
@@ -66,6 +70,7 @@ def _render(name: str, scene, variant: str, samples: int, seed: int, device: str
         scene.sdf_lights.indirect_paths, scene.sdf_lights.guided_samples = 0, True
         scene.sdf_lights.seed = seed
     scene.sdf_lights.lamp_paths, scene.sdf_lights.path_reuse = variant, reuse or variant
+    scene.sdf_lights.denoise = denoise
     return pictures.render()
 
 
@@ -88,11 +93,28 @@ def measure(name: str, options) -> dict:
         {variant: work_of(pile) for variant, pile in made.items()},
     )
     if row["used"]:
-        without_reuse = _render(name, scene, AUTOMATIC, samples, 0, options.device, reuse=WITHOUT)
-        connected = np.array_equal(without_reuse.pixels, made[AUTOMATIC][0].pixels)
-        row["chosen"] = "light paths" if connected else "path reuse"
+        row["chosen"] = "both"
+        for only, variant, reuse in (("light paths", AUTOMATIC, WITHOUT), ("path reuse", WITHOUT, AUTOMATIC)):
+            alone = _render(name, scene, variant, samples, 0, options.device, reuse=reuse)
+            if np.array_equal(alone.pixels, made[AUTOMATIC][0].pixels):
+                row["chosen"] = only
+    if options.denoised and name in ROOMS:
+        row["denoised"] = _denoised(name, scene, samples, seeds, options.device)
     rivals = _rivals(name, options.device) if options.rivals else {}
     return row | {key: indirect_rivals.ratio(rival, made[AUTOMATIC], seeds) for key, rival in rivals.items()}
+
+
+def _denoised(name: str, scene, samples: int, seeds: int, device: str) -> float:
+    """The mean square relative error of Cycles' pictures over that of ours, both denoised by OpenImageDenoise, in the
+    time that ours take. Denoised pictures have a bias, so many more of our samples tell the error."""
+    truth = stack_of(
+        [_render(name, scene, AUTOMATIC, TRUTH * samples, seeds + seed, device) for seed in range(seeds)]
+    ).mean(axis=0)
+    ours = [_render(name, scene, AUTOMATIC, samples, seed, device, denoise=True) for seed in range(-1, seeds)][1:]
+    rival = indirect_rivals.by_cycles(BOUNCES, surfaces=True, denoise=True)
+    cycles = rival.pictures(statistics.median(picture.work for picture in ours), seeds)
+    found = [np.mean([errors.rel_mse(each.pixels, truth) for each in pile]) for pile in (cycles, ours)]
+    return float(found[0] / found[1])
 
 
 def _rivals(name: str, device: str) -> dict[str, indirect_rivals.Rival]:
@@ -150,7 +172,8 @@ def summary_of(rows: list[dict]) -> dict:
 
     Error × time over ours: ``mse_ratio_cycles_bounces_…`` of Cycles' emission volumes and ``mse_ratio_paper_bounces_…``
     of the paper's sampler in S1 to S5, ``rooms_ratio_cycles_min`` of Cycles' mesh lights in rooms, the better one of
-    path guiding and none, ``interiors_ratio_cycles_…`` in rooms without SDF lamps.
+    path guiding and none, ``interiors_ratio_cycles_…`` in rooms without SDF lamps. ``rooms_ratio_denoised_min``: error
+    at equal time of denoised pictures in rooms, of Cycles over ours.
     """
     rooms = [row["gain"] for row in rows if row["indirect_scene"] in ROOMS]
     summary = dict(loss_max=max(1.0 / row["gain"] for row in rows))
@@ -170,6 +193,9 @@ def summary_of(rows: list[dict]) -> dict:
         found = [row[key] for row in rows if row["indirect_scene"] in names and key in row]
         if found:
             summary |= {f"{title}_geomean": statistics.geometric_mean(found), f"{title}_min": min(found)}
+    denoised = [row["denoised"] for row in rows if "denoised" in row]
+    if denoised:
+        summary["rooms_ratio_denoised_min"] = min(denoised)
     cycles = [min(row["cycles"], row["cycles_guided"]) for row in rows if "cycles_guided" in row]
     return summary | (dict(rooms_ratio_cycles_min=min(cycles)) if cycles else {})
 

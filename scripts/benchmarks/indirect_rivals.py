@@ -41,15 +41,17 @@ class Rival:
         return [self.render(samples, seed) for seed in range(seeds)]
 
 
-def by_cycles(bounces: int, surfaces: bool = False, guiding: bool = False) -> Rival:
-    """Cycles, whose lamps are volumes; or meshes that emit, for its light tree, with path guiding or without."""
+def by_cycles(bounces: int, surfaces: bool = False, guiding: bool = False, denoise: bool = False) -> Rival:
+    """Cycles, whose lamps are volumes; or meshes that emit, for its light tree, with path guiding or without. Its
+    pictures are denoised or not."""
 
     def render(samples: int, seed: int) -> pictures.Picture:
         scene = bpy.context.scene
         lamp_scenes.show(volumes=not surfaces, surfaces=surfaces)
         simple_scenes.plain_cycles(scene, samples, bounces)
         scene.cycles.seed, scene.cycles.use_light_tree = seed, True
-        scene.cycles.use_guiding = guiding
+        scene.cycles.use_guiding, scene.cycles.use_denoising = guiding, denoise
+        scene.cycles.denoiser = "OPENIMAGEDENOISE"
         try:
             return pictures.render()
         finally:

@@ -151,11 +151,14 @@ def by_area(scene) -> None:
     scene.lights.append(AreaLight("area", translation(0.5, -0.5, 2.8), 60.0, size=(0.8, 0.4)))
 
 
-def assert_only_noise_differs(least: float, seeds: int = 24, **changes) -> None:
+def assert_only_noise_differs(least: float, seeds: int = 24, lamp_paths=LampPaths.NEVER, **changes) -> None:
     """Means of the whole and of blocks over 24 renders each agree within 4.5 standard errors: by chance, one set of
-    seeds in a hundred would not. The variance is less than the part ``least``."""
+    seeds in a hundred would not. The variance is less than the part ``least``. ``lamp_paths``: beside path reuse."""
     fixed = dict(samples=8, indirect_paths=4, guided_samples=False) | changes
-    found = [np.array([picture(each, seed=seed, **fixed) for seed in range(seeds)]) for each in (WITHOUT, ALWAYS)]
+    found = [
+        np.array([picture(each, seed=seed, **fixed, lamp_paths=beside) for seed in range(seeds)])
+        for each, beside in ((WITHOUT, LampPaths.NEVER), (ALWAYS, lamp_paths))
+    ]
     for one, other in zip(*(means(each) for each in found)):
         error = np.sqrt((one.var(axis=0, ddof=1) + other.var(axis=0, ddof=1)) / len(one))
         assert np.all(np.abs(other.mean(axis=0) - one.mean(axis=0)) < 4.5 * error + 1e-9)
@@ -178,6 +181,28 @@ def assert_only_noise_differs(least: float, seeds: int = 24, **changes) -> None:
 )
 def test_path_reuse_changes_the_noise_alone(build, changes):
     assert_only_noise_differs(0.6, build=build, **changes)
+
+
+@pytest.mark.parametrize(
+    ("build", "changes"),
+    [
+        (things, dict()),
+        pytest.param(facing, dict(), marks=pytest.mark.slow),
+        pytest.param(things, dict(change=by_area), marks=pytest.mark.slow),
+        pytest.param(
+            things,
+            dict(filter_glossy=1.0, max_bounces=12, diffuse_bounces=2, glossy_bounces=1),
+            marks=pytest.mark.slow,
+        ),
+        pytest.param(things, dict(samples=32, indirect_paths=0, guided_samples=True), marks=pytest.mark.slow),
+        pytest.param(leaves, dict(transparent_bounces=3), marks=pytest.mark.slow),
+        pytest.param(subsurface, dict(), marks=pytest.mark.slow),
+        pytest.param(fur, dict(), marks=pytest.mark.slow),
+    ],
+    ids=["things", "facing", "area", "limits", "allocated", "leaves", "subsurface", "strands"],
+)
+def test_vertices_that_groups_share_change_the_noise_alone(build, changes):
+    assert_only_noise_differs(0.8, build=build, lamp_paths=LampPaths.ALWAYS, **changes)
 
 
 # Scenes where some points and arrivals are not shared, with settings.
@@ -254,9 +279,11 @@ def test_times_of_a_pixel_are_spread_evenly():
     assert np.abs(middle[12:-12] - 0.5).max() <= 1.001 / 16
 
 
-@pytest.mark.parametrize("path_reuse", [ALWAYS, AUTOMATIC])
-def test_the_picture_does_not_depend_on_threads(path_reuse):
-    one, three = (picture(path_reuse, threads=threads, samples=16) for threads in (1, 3))
+@pytest.mark.parametrize(
+    ("path_reuse", "lamp_paths"), [(ALWAYS, LampPaths.NEVER), (ALWAYS, LampPaths.ALWAYS), (AUTOMATIC, LampPaths.NEVER)]
+)
+def test_the_picture_does_not_depend_on_threads(path_reuse, lamp_paths):
+    one, three = (picture(path_reuse, lamp_paths=lamp_paths, threads=threads, samples=16) for threads in (1, 3))
     assert np.array_equal(one, three)
 
 
@@ -274,9 +301,12 @@ def test_samples_do_not_depend_on_how_they_are_asked_for():
     assert np.array_equal(*found)
 
 
-def test_ranges_of_samples_are_one_render():
+@pytest.mark.parametrize("lamp_paths", [LampPaths.NEVER, LampPaths.ALWAYS])
+def test_ranges_of_samples_are_one_render(lamp_paths):
+    fixed = dict(indirect_paths=2, guided_samples=False, lamp_paths=lamp_paths)
+
     def part(first: int, end: int) -> np.ndarray:
-        return picture(ALWAYS, sample_offset=first, samples=end - first, indirect_paths=2, guided_samples=False)
+        return picture(ALWAYS, sample_offset=first, samples=end - first, **fixed)
 
     ends = 0, 5, 16, 24
     joined = np.average([part(*each) for each in itertools.pairwise(ends)], axis=0, weights=np.diff(ends))
@@ -321,7 +351,7 @@ def roll(scene) -> None:
         (ALWAYS, dict(change=fill)),
         (ALWAYS, dict(change=roll)),
         (ALWAYS, dict(passes=("Combined", "Diffuse Direct"))),
-        (ALWAYS, dict(lamp_paths=LampPaths.ALWAYS)),
+        (AUTOMATIC, dict(lamp_paths=LampPaths.ALWAYS)),
     ],
     ids=["denoised", "few samples", "no bounces", "in fog", "rolling shutter", "lobes", "light paths"],
 )

@@ -103,7 +103,7 @@ def _paths() -> tuple[list, Callable[[], None]]:
 def _light_paths() -> tuple[list, Callable[[], None]]:
     """Light paths, their tree, and connections with them; and caustic paths."""
     kernels = [
-        *(kernel for kernel, _ in light_path_code.KERNELS.values()),
+        *(kernel for kernel, _ in (light_path_code.KERNELS | path_reuse_code.WITH_LIGHT_PATHS).values()),
         *(tree.build, tree.place, trace.trace_light_paths, trace.weight_by_visibility),
         *(places.find_places, distant.measure),
         *(kernel for kernel, _ in caustic_path_code.KERNELS.values()),
@@ -117,6 +117,7 @@ def _light_paths() -> tuple[list, Callable[[], None]]:
         light_paths = LightPaths.of(scene, packed, [Workspace(packed)])
         assert light_paths is not None
         light_paths.use(0)
+        packed.set_path_reuse(1, connects=True)
         scene.materials = [Material("Floor", Node("glossy", {"color": (0.5, 0.5, 0.5), "roughness": 0.0}))]
         scene.settings.caustic_paths = CausticPaths.ALWAYS
         film = Film(scene, ())
