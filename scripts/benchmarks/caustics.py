@@ -22,7 +22,7 @@ DOCUMENT = pathlib.Path(__file__).resolve().parents[2] / "docs" / "sampling.md"
 BEGIN, END = "<!-- caustics -->\n", "<!-- end of caustics -->"
 
 BOUNCES = 8  # beyond the first surface
-SIZE, QUICK_SIZE = 96, 32
+SIZE, QUICK_SIZE = 96, 64  # smaller renders try no caustic paths
 SAMPLES, QUICK_SAMPLES = 64, 32
 SEEDS, QUICK_SEEDS = 6, 3
 MASK_SAMPLES = 16
