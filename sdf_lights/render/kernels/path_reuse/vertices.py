@@ -17,7 +17,7 @@ w₁ is less by ``left_by_lobes``, for each point and the direction from where t
 from __future__ import annotations
 
 from ....jit import kernel
-from ....vec import ZERO, average, dot, mul, put, put_sum, scale, vec
+from ....vec import ZERO, average, dot, length, mul, put, put_sum, scale, sub, vec
 from ..geometry import TRIANGLES, instance_table, shading_material_table, surface_at
 from ..light_paths import tree
 from ..light_paths.connections import CONNECTION_SETS, left_by_lobes, reaches
@@ -125,16 +125,11 @@ def _show_vertex(block, workspace, number, each, turn, vertex, factor):
     put(arrival.normal, normal)
     arrival.u, arrival.v, arrival.instance, arrival.primitive = vertex.u, vertex.v, vertex.instance, vertex.primitive
     arrival.kind = DIFFUSE | GLOSSY
-    sharing, even = _sharing(block, workspace), ZERO
+    x = vec(representative(workspace, number).position)
+    sharing, even = _sharing(block, workspace, length(sub(y, x))), ZERO
     if sharing == EVEN:
         even, _, _ = evaluate(block, secondary_table(workspace)[0], wi, SCATTERED)
-    if (
-        sharing == UNSHARED
-        or sharing == EVEN
-        and not average(even) > 0.0
-        or sharing == UNEVEN
-        and not block.light_path_all
-    ):
+    if not (average(even) > 0.0 if sharing == EVEN else sharing == UNEVEN and block.light_path_all):
         return
     step = block.reuse_step if sharing == UNEVEN else 1
     diffuse, glossy = _look(block, workspace, step, turn, sharing == UNEVEN)
@@ -197,9 +192,9 @@ def _give(block, workspace, number, light, of_lamp):
 
 
 @kernel
-def _sharing(block, workspace):
-    """Whether the place of the arrival, which is shaded in the second workspace from its normal, scatters the same
-    light in all directions (EVEN), may be shared nevertheless (UNEVEN), or not at all."""
+def _sharing(block, workspace, distance):
+    """Whether the place of the arrival, which is shaded in the second workspace from its normal and this distance,
+    scatters the same light in all directions (EVEN), may be shared nevertheless (UNEVEN), or not at all."""
     arrival, secondary = arrival_table(workspace)[0], secondary_table(workspace)[0]
     surface = surface_table(secondary)[0]
     if instance_table(block)[arrival.instance].primitive != TRIANGLES:
@@ -213,7 +208,7 @@ def _sharing(block, workspace):
         arrival.v,
         vec(arrival.normal),
         DIFFUSE,
-        block.camera_pixel_width,
+        distance * block.camera_pixel_angle + block.camera_pixel_width,
     )
     shade(block, secondary)
     flags = shading_material_table(block)[surface.material].flags
