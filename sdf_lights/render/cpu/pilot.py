@@ -36,9 +36,10 @@ LEAST_SHARED = 1.0  # gain of path reuse, from which on vertices that groups sha
 ROWS_BRANCHES = 4  # at most, of each pixel of these rows
 # Light paths bring about a power of what their pilot promises over this. With SDF lamps: 0.9 to 1.5 where they bring 1
 # to 3, 3 to 12 where they bring 20 to 200. Without: 1.1 and 1.7 where they bring 2.5, 0.8 to 1.1 where they bring 8.
-# What path reuse promises is what it brings; with vertices of light paths too, it promises this part at most.
 PROMISE, LAMPS_POWER, LIGHTS_POWER = 0.85, 1.3, 2.0
-SHARED_PROMISE = 0.75
+# What path reuse promises is what it brings. With vertices of light paths of SDF lamps, too, it promises about this
+# part.
+SHARED_PROMISE = 0.6
 OUTLIERS = 0.01  # part of the pilot pixels that a second comparison leaves out: a few bright ones must not decide
 FLOOR = 0.05  # part of the mean square brightness that is added to the squares which errors are relative to
 

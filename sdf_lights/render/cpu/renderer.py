@@ -296,7 +296,8 @@ class CpuRenderer:
         if shared is None:
             return None
         promise, branches = reuse_gain(without, shared, self._settings)
-        return GainEstimate(promise if light_paths is None else promise / SHARED_PROMISE, step, branches)
+        of_lamps = light_paths is not None and light_paths.has_lamps()
+        return GainEstimate(promise / SHARED_PROMISE if of_lamps else promise, step, branches)
 
     def _arrivals(self) -> np.ndarray:
         return np.concatenate([workspace.arrivals() for workspace in self._workspaces])

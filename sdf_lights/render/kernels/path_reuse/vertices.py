@@ -32,6 +32,7 @@ from .records import GROUP, GROUP_SAMPLE, GROUP_START, arrival_table, point_tabl
 
 # What a vertex is worth beside arrivals. With an eighth: error × time 1.0 in S2, 1.3 in ``sign``, 1.6 in S1.
 RELIEF = 0.5
+VERTICES = 4  # that each representative draws for each branch of a point; with 2, 1.06 in S2, and 0.85 in ``sign``
 VERTEX_COST = 2.0  # time of a vertex beside that of the points that look at it, in surfaces that rays meet
 EVEN, UNEVEN, UNSHARED = range(3)
 
@@ -57,12 +58,12 @@ def drawn_density(block, workspace, number, y, normal):
 
 
 @kernel
-def vertices_each(block, workspace):
+def vertices_each(workspace):
     """How many vertices each representative draws."""
     arrival, points, branches = arrival_table(workspace)[0], point_table(workspace), 0
     for number in range(arrival.points):
         branches += points[number].branches
-    return block.light_path_connections * max(branches // arrival.points, 1)
+    return VERTICES * max(branches // arrival.points, 1)
 
 
 @kernel
@@ -71,14 +72,14 @@ def density_of_vertices(block, workspace, _):
     arrival, total = arrival_table(workspace)[0], 0.0
     for number in range(REPRESENTATIVES):
         total += drawn_density(block, workspace, number, vec(arrival.position), vec(arrival.normal))
-    return total * vertices_each(block, workspace)
+    return total * vertices_each(workspace)
 
 
 @kernel
 def connect_points(block, workspace, _):
     """Give all points of the group the light of vertices of light paths."""
     start, arrival, some = path_table(workspace)[GROUP_START], arrival_table(workspace)[0], False
-    each = vertices_each(block, workspace)
+    each = vertices_each(workspace)
     for number in range(REPRESENTATIVES):
         surface = representative(workspace, number)
         some |= tree.expect(block, workspace, FIRST_OF_GROUP + number, vec(surface.position), vec(surface.n)) > 0.0
