@@ -166,17 +166,15 @@ class PackedScene:
         """Connect paths with the vertices of light paths in these tables of ``light_paths.records``; with nothing
         without them."""
         connects = "light_path_vertices" in tables
-        empty = {name: np.zeros(0, dtype) for name, dtype in light_path_records.TABLES.items()}
         code = {"light_path_code": light_path_code.addresses(connects, (BLOCK, WORKSPACE))}
-        self._fill(empty | tables | code, scalars | {"light_paths": connects})
+        self._fill(_empty(light_path_records.TABLES) | tables | code, scalars | {"light_paths": connects})
 
     def set_caustic_paths(self, tables: dict[str, np.ndarray], scalars: dict[str, float]) -> None:
         """Share light behind mirrors with the caustic paths of these tables of ``caustic_paths.records``; with none
         without them."""
         shares = "caustic_power" in tables
-        empty = {name: np.zeros(0, dtype) for name, dtype in caustic_path_records.TABLES.items()}
         code = {"caustic_code": caustic_path_code.addresses(shares, (BLOCK, WORKSPACE))}
-        self._fill(empty | tables | code, scalars | {"caustic_paths": shares})
+        self._fill(_empty(caustic_path_records.TABLES) | tables | code, scalars | {"caustic_paths": shares})
 
     def update_lights(self, scene: Scene) -> None:
         """Take the lamps and lights of ``scene``. Its meshes, materials and world must be unchanged.
@@ -300,6 +298,11 @@ class PackedScene:
         self._elsewhere = self._bare = None
         self._segments, self._copies = [], []
         self._blocks[:] = 0
+
+
+def _empty(kinds: dict[str, np.dtype]) -> dict[str, np.ndarray]:
+    """Tables without rows."""
+    return {name: np.zeros(0, dtype) for name, dtype in kinds.items()}
 
 
 class Workspace:

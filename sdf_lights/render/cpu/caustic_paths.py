@@ -20,7 +20,6 @@ would not tell. V is all other noise, from two samples of some pixels. The numbe
 from __future__ import annotations
 
 import math
-import threading
 from collections.abc import Callable
 
 import numpy as np
@@ -38,7 +37,7 @@ from ..scene import Projection, Scene
 from ..settings import MOST_BRANCHES, START_BRANCHES, CausticPaths
 from .block import PackedScene, Workspace
 from .caustic_targets import Sources, chances_of, find_targets, may_be_mirrors
-from .light_paths import CHUNK, PILOT_NUMBER, each, powers_of, treats_rays_alike
+from .light_paths import CHUNK, PILOT_NUMBER, in_chunks, powers_of, treats_rays_alike
 
 SET = 8  # samples of pixels that share one picture of the caustics
 SAMPLE_COST = 2.5  # of a sample of a pixel, in rays: about the least
@@ -219,23 +218,14 @@ class CausticTracer:
     def _traced(self, number: int, total: int, first: int, last: int) -> tuple[np.ndarray, int]:
         """The records of caustic paths ``first`` to before ``last`` of ``total``, ``BATCH`` at most, of a set, and the
         number of rays."""
-        starts, taking = iter(range(first, last, CHUNK)), threading.Lock()
         reach = filter_radius(self._scene.settings)
         window = self._window + np.array([-reach, -reach, reach, reach])
 
-        def work(workspace: Workspace) -> None:
-            while True:
-                with taking:
-                    start = next(starts, None)
-                if start is None:
-                    return
-                end = min(start + CHUNK, last)
-                trace_caustic_paths(
-                    *(workspace.scene, workspace.block, start, end, total, number, window),
-                    *(self._records, self._counts),
-                )
+        def trace(workspace: Workspace, start: int, end: int) -> None:
+            scene, scratch = workspace.scene, workspace.block
+            trace_caustic_paths(scene, scratch, start, end, total, number, window, self._records, self._counts)
 
-        each(work, self._workspaces)
+        in_chunks(trace, first, last, self._workspaces)
         counts = self._counts[: last - first]
         rows = self._records.reshape(BATCH, MOST_MIRRORS)[: last - first]
         return rows[np.arange(MOST_MIRRORS) < counts[:, :1]], int(counts[:, 1].sum())

@@ -408,20 +408,11 @@ class LightPaths:
     def _trace(self, number: int, paths: int) -> tuple[np.ndarray, np.ndarray]:
         """Trace the light paths of this number: rows of ``_width`` vertices for each path, and how many it has."""
         raw, lengths = np.empty(paths * self._width, VERTEX), np.zeros(paths, np.int64)
-        starts = iter(range(0, paths, CHUNK))
-        taking = threading.Lock()
 
-        def work(workspace: Workspace) -> None:
-            while True:
-                with taking:
-                    start = next(starts, None)
-                if start is None:
-                    return
-                trace_light_paths(
-                    workspace.scene, workspace.block, start, start + CHUNK, paths, number, self._width, raw, lengths
-                )
+        def trace(workspace: Workspace, first: int, last: int) -> None:
+            trace_light_paths(workspace.scene, workspace.block, first, last, paths, number, self._width, raw, lengths)
 
-        each(work, self._workspaces)
+        in_chunks(trace, 0, paths, self._workspaces)
         return raw, lengths
 
 
@@ -430,8 +421,19 @@ def _paths(wanted: float, most: int) -> int:
     return CHUNK * min(max(round(wanted / CHUNK), 1), most // CHUNK)
 
 
-def each(work: Callable[[Workspace], None], workspaces: list[Workspace]) -> None:
-    """Do the work in a thread for each workspace; the first error is raised here."""
+def in_chunks(work: Callable[[Workspace, int, int], None], first: int, last: int, workspaces: list[Workspace]) -> None:
+    """Do the work for ``first`` to before ``last``, ``CHUNK`` at once, in a thread for each workspace; the first error
+    is raised here."""
+    starts, taking = iter(range(first, last, CHUNK)), threading.Lock()
+
+    def take(workspace: Workspace) -> None:
+        while True:
+            with taking:
+                start = next(starts, None)
+            if start is None:
+                return
+            work(workspace, start, min(start + CHUNK, last))
+
     with ThreadPoolExecutor(len(workspaces)) as pool:
-        for done in [pool.submit(work, workspace) for workspace in workspaces]:
+        for done in [pool.submit(take, workspace) for workspace in workspaces]:
             done.result()

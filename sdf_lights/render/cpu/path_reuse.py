@@ -103,7 +103,7 @@ MOST_STEP, MOST_TIME = 8, 4.0
 # Path splitting at such a surface: so many paths go on, each with a light ray. They take less time than its points, if
 # all share it.
 SPLITS = 2
-LEAST_PART = 0.1  # with which an arrival goes on that vertices of light paths should leave little to
+LEAST_CHANCE = 0.1  # of an arrival to go on, where vertices of light paths should bring nearly all of its light
 
 
 def supports_path_reuse(scene: Scene, packed: PackedScene) -> bool:
@@ -300,16 +300,14 @@ def leave_to_vertices(block, workspace, source):
     """Leave to vertices of light paths what these bring of the light of the arrival, from a branch of the point
     ``source``: whether that one sees it. The path that waits goes on with what is left, or ends, by the ``scale`` of
     the arrival, with the chance that this is expected to leave over."""
-    arrival, path, points = arrival_table(workspace)[0], path_table(workspace)[WAITING], point_table(workspace)
-    found, branches = path_reuse.density_of_vertices(block, workspace), 0
+    arrival, path = arrival_table(workspace)[0], path_table(workspace)[WAITING]
+    found = path_reuse.density_of_vertices(block, workspace)
     if not found > 0.0:
         return look_from_all(block, workspace, source, 1)
-    for number in range(arrival.points):
-        branches += points[number].branches
     way = sub(vec(arrival.position), vec(path.origin))
     square = dot(way, way)
-    expected = branches * path.pdf * abs(dot(vec(arrival.normal), way)) / (square * math.sqrt(square))
-    survival = max(1.0 - part_of(found, expected), block.light_path_roulette, LEAST_PART) if expected > 0.0 else 1.0
+    expected = arrival.branches * path.pdf * abs(dot(vec(arrival.normal), way)) / (square * math.sqrt(square))
+    survival = max(1.0 - part_of(found, expected), block.light_path_roulette, LEAST_CHANCE) if expected > 0.0 else 1.0
     if survival < 1.0:
         goes_on = get_1d(path.index, path.seed, path.dimension + ROULETTE_SETS) < survival
         arrival.scale *= 1.0 / survival if goes_on else 0.0
@@ -457,7 +455,7 @@ def render_group(blocks, block, workspace, tile, x0, y0, wide, group, number):
         if kept >= 0:
             branches += points[count].branches
             count, stored = count + 1, kept
-    arrival_table(workspace)[0].points = count
+    arrival_table(workspace)[0].points, arrival_table(workspace)[0].branches = count, branches
     if block.light_paths and count > 0:
         path_reuse.connect_points(block, workspace)
     for at in range(stored):

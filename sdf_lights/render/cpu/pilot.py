@@ -65,8 +65,8 @@ def is_affordable(pixels: np.ndarray, light_paths: LightPaths, film: Film, sampl
 
 @frozen
 class GainEstimate:
-    """``gain``: error × time without light paths or path reuse, over that with one of them, as pilots estimate it. Of
-    path reuse also the step (see ``PackedScene.set_path_reuse``) and the number of branches to begin with."""
+    """``gain``: error × time without light paths or path reuse, over that with one of them or both, as pilots estimate
+    it. Of path reuse also the step (see ``PackedScene.set_path_reuse``) and the number of branches to begin with."""
 
     gain: float = 0.0
     step: int = 0

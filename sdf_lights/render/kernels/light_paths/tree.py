@@ -124,8 +124,7 @@ def draw(block, workspace, row, x, n, u):
 @kernel
 def density(block, workspace, row, x, n, y, normal):
     """Estimate of the density by area (1/m²) with which ``draw`` and one of the node's vertices give a place y with
-    this geometric normal; 0 where they cannot. Of the node's vertices, those near y tell: with all of them, error is
-    1.0 to 1.15 times as large."""
+    this geometric normal; 0 where they cannot. Those of the node's vertices tell that are near y."""
     choice, nodes = choice_table(workspace)[row], node_table(block)
     at = 0
     while nodes[at].top < 0:

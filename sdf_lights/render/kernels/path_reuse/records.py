@@ -21,10 +21,10 @@ GROUP = SIDE * SIDE  # pixels whose paths share their branches
 # A surface where a branch has arrived: a point of a triangle that a ray of this ``kind`` has met. ``even``: 1 if it
 # scatters the same light in all directions. ``connects``: 1 if light paths leave vertices there. ``scale`` is a factor
 # of its light, by Russian roulette. With the ``throughput`` (RGB) its light is a part of the branch's own sample.
-# ``points`` is the number of points of the group, and ``density`` that of all their branches that may have found it, by
-# area. Where it is not even: whether any point sees a surface that is ``two_sided``, or that ``has_glossy`` lobes, and
-# the means of what ``POINT`` has. ``number`` counts the arrivals that were shared, and ``uneven`` those of them that
-# were not ``even``.
+# ``points`` is the number of points of the group, ``branches`` that of their branches, and ``density`` that of all
+# these branches that may have found it, by area. Where it is not even: whether any point sees a surface that is
+# ``two_sided``, or that ``has_glossy`` lobes, and the means of what ``POINT`` has. ``number`` counts the arrivals that
+# were shared, and ``uneven`` those of them that were not ``even``.
 ARRIVAL = np.dtype(
     [
         ("position", "f8", 3),
@@ -41,6 +41,7 @@ ARRIVAL = np.dtype(
         ("scale", "f8"),
         ("throughput", "f8", 3),
         ("points", "i8"),
+        ("branches", "i8"),
         ("density", "f8"),
         ("two_sided", "i8"),
         ("has_glossy", "i8"),

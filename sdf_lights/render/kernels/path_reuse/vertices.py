@@ -30,9 +30,8 @@ from ..workspace import point_workspaces, secondary_table
 from .arrivals import LOOK_COST, SHADE_COST, copy_surface, is_even, is_shareable, look_at_arrival, shade_arrival
 from .records import GROUP, GROUP_SAMPLE, GROUP_START, arrival_table, point_table
 
-# What a vertex is worth beside arrivals. With an eighth: error × time 1.0 in S2, 1.3 in ``sign``, 1.6 in S1.
-RELIEF = 0.5
-VERTICES = 4  # that each representative draws for each branch of a point; with 2, 1.06 in S2, and 0.85 in ``sign``
+RELIEF = 0.5  # what an arrival is worth beside vertices
+VERTICES = 4  # that each representative draws for each branch of a point
 VERTEX_COST = 2.0  # time of a vertex beside that of the points that look at it, in surfaces that rays meet
 EVEN, UNEVEN, UNSHARED = range(3)
 
@@ -60,10 +59,8 @@ def drawn_density(block, workspace, number, y, normal):
 @kernel
 def vertices_each(workspace):
     """How many vertices each representative draws."""
-    arrival, points, branches = arrival_table(workspace)[0], point_table(workspace), 0
-    for number in range(arrival.points):
-        branches += points[number].branches
-    return VERTICES * max(branches // arrival.points, 1)
+    arrival = arrival_table(workspace)[0]
+    return VERTICES * max(arrival.branches // arrival.points, 1)
 
 
 @kernel
