@@ -120,11 +120,17 @@ def supports_light_paths(scene: Scene, packed: PackedScene) -> bool:
     )
 
 
+def clamps_strongly(scene: Scene) -> bool:
+    """Whether indirect light is clamped so strongly that a picture has another brightness, if its paths are sampled in
+    another way."""
+    return 0.0 < scene.settings.clamp_indirect < LEAST_CLAMP
+
+
 def treats_rays_alike(scene: Scene, packed: PackedScene) -> bool:
     """``is_alike``; no material asks for the ray that meets it, or traces rays; and indirect light is not clamped
     strongly."""
     return bool(
-        not 0.0 < scene.settings.clamp_indirect < LEAST_CLAMP
+        not clamps_strongly(scene)
         and is_alike(scene, packed)
         and not (packed.table("materials")["flags"] & (STOPS_LIGHT_RAYS | TRACES_RAYS)).any()
         and not any(

@@ -84,6 +84,7 @@ from ..kernels.workspace import cut_table, point_workspaces, secondary_table
 from ..scene import Scene
 from ..settings import PathReuse
 from .block import PackedScene
+from .light_paths import clamps_strongly
 from .path_splitting import (
     add_spread,
     begin_sample,
@@ -111,6 +112,8 @@ def supports_path_reuse(scene: Scene, packed: PackedScene) -> bool:
 
     - No medium fills the world, and the time of a path does not depend on its pixel.
     - No pass wants parts of the light.
+    - Indirect light is not clamped strongly. A clamp changes the brightness of a picture, and by how much depends on
+      how its paths are sampled.
 
     All else is decided for each point and each arrival: see ``can_share``, and ``arrivals.arrive``.
     """
@@ -120,6 +123,7 @@ def supports_path_reuse(scene: Scene, packed: PackedScene) -> bool:
         settings.path_reuse is not PathReuse.NEVER
         and not (settings.path_reuse is PathReuse.AUTOMATIC and settings.denoise)
         and settings.max_bounces > 0
+        and not clamps_strongly(scene)
         and block["world_medium"] == NOTHING
         and block["rolling_shutter"] == NOT_ROLLING
         and block["light_columns"] == light_columns
