@@ -235,7 +235,9 @@ class _ForC:
             return kernel_compiler.compiled_for_c(function, arguments)
 
         with _lock:
-            found = kernel_entries.Entry(pathlib.Path(kernel.__wrapped__.__code__.co_filename), tuple(key), "C")
+            found = kernel_entries.Entry(
+                pathlib.Path(kernel.__wrapped__.__code__.co_filename), tuple(key), kernel_entries.FOR_C
+            )
             self.address, self._code = found.get(compiled, kernel_entries.address)
             _LOADED.add(kernel)
 

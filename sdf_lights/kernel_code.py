@@ -152,19 +152,24 @@ def _source(path: str) -> tuple[bytes, tuple[str, ...]]:
     return _sources()[path] if path in _files() else _read(path)
 
 
-def _interface() -> str:
-    """What all sources depend on: Numba, NumPy's interface, and the sampler (see ``render.kernels.samplers``)."""
-    return f"{compiler()[0]} {np.__version__.partition('.')[0]} {os.environ.get('SDF_LIGHTS_SAMPLER', '')}"
+def _common() -> str:
+    """What all kernels depend on beside their sources: Numba, and the sampler (see ``render.kernels.samplers``)."""
+    return f"{compiler()[0]} {os.environ.get('SDF_LIGHTS_SAMPLER', '')}"
+
+
+def python_interface() -> tuple:
+    """What an entry for Python depends on, and one for C does not: versions of Python and of NumPy's interface."""
+    return sys.version_info[:2], np.__version__.partition(".")[0]
 
 
 def host_hash() -> str:
-    """Hash of all that kernels depend on beside their sources: Python, Numba, NumPy's interface, system, processor."""
-    return hashlib.sha256(repr((sys.version_info[:2], _interface(), target())).encode()).hexdigest()[:16]
+    """Hash of all that kernels depend on beside their sources: Python, NumPy's interface, Numba, system, processor."""
+    return hashlib.sha256(repr((python_interface(), _common(), target())).encode()).hexdigest()[:16]
 
 
 @functools.cache
 def source_hash(path: pathlib.Path) -> str:
-    """Hash of a kernel source file, of all that it imports from the package, of Numba, and of NumPy's interface.
+    """Hash of a kernel source file, of all that it imports from the package, and of Numba.
 
     Numba's own cache looks at the time stamp of the one file that defines a function, so it misses changes in the
     called functions. A folder named by this hash gives every such change a clean cache.
@@ -174,7 +179,7 @@ def source_hash(path: pathlib.Path) -> str:
     while pending:
         reached |= pending
         pending = set().union(*(_source(each)[1] for each in pending)) - reached
-    digest = hashlib.sha256(_interface().encode())
+    digest = hashlib.sha256(_common().encode())
     for source in sorted(reached, key=lambda source: source.split(os.sep)):
         digest.update(_source(source)[0])
     return digest.hexdigest()[:16]

@@ -13,7 +13,6 @@ import ctypes
 import hashlib
 import importlib
 import pathlib
-import platform
 import sys
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
@@ -21,7 +20,9 @@ from types import MappingProxyType
 import numpy as np
 
 from . import kernel_cache, machine_code
-from .kernel_code import ROOT, Stored, compiler, origin, source_hash, target
+from .kernel_code import ROOT, Stored, compiler, origin, python_interface, source_hash, target
+
+FOR_C = "C"  # in the place of the kinds of arguments
 
 
 def missing() -> str:
@@ -74,13 +75,14 @@ class Entry:
 
     def __init__(self, source: pathlib.Path, place: tuple, kinds: object):
         """``source``: file of the kernel; ``place``: parts of its name inside the source folder; ``kinds``: of its
-        arguments."""
+        arguments, or ``FOR_C``. What C calls is the same for all versions of Python: most of the code of kernels, which
+        several Blenders share."""
         source = source.resolve()
         inside = source.is_relative_to(ROOT)
         # Modules with the same sources have the same hash.
         module = source.relative_to(ROOT).with_suffix("").parts if inside else (source.stem,)
         folder = pathlib.Path(source_hash(source), ".".join(module))
-        self._key = kinds, target(), platform.python_version_tuple()[:2]
+        self._key = kinds, target(), None if kinds == FOR_C else python_interface()
         self._files = kernel_cache.Files(
             kernel_cache.writable_folder() / folder,
             "-".join(map(str, place)).replace("<", "").replace(">", ""),
