@@ -49,6 +49,12 @@ def call_address3(typingctx, address, a, b, c):
 
 
 @intrinsic
+def call_address4(typingctx, address, a, b, c, d):
+    """Likewise, with four arguments."""
+    return _caller([cgutils.voidptr_t] * 4)(typingctx)
+
+
+@intrinsic
 def call_field(typingctx, address, count, points, parameters, values):
     """Call a compiled formula (see ``graph.codegen_native.Compiled``) at an address; all arguments are integers."""
     return _caller([ir.IntType(64)] + [cgutils.voidptr_t] * 3)(typingctx)

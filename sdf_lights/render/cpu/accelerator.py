@@ -202,6 +202,7 @@ class Accelerator:
         block["embree_scene"] = self.scene
         block["rtc_intersect"] = self._api.address("rtcIntersect1")
         block["rtc_occluded"] = self._api.address("rtcOccluded1")
+        block["rtc_occluded8"] = self._api.address("rtcOccluded8")
         block["filtered_query"] = self._query.ctypes.data
 
     def is_valid_for(self, scene: Scene, transparent: np.ndarray, deep: np.ndarray | None) -> bool:

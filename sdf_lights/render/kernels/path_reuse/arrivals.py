@@ -21,7 +21,8 @@ from ..light_paths.connections import left_by_lobes
 from ..light_paths.records import CONNECTS, material_table
 from ..path import MIXED, REUSED, UNSHARED, WHITE, path_table, sample_table
 from ..ray_origins import spawn_ray
-from ..rays import occluded, start_anew
+from ..ray_packets import LANES, find_occluded, is_occluded, packet_table, put_ray
+from ..rays import start_anew
 from ..shading import evaluate, has_lobes, shade, transmits
 from ..shading.caustics import blur_lobes, darken_microfacets
 from ..shading.records import (
@@ -129,12 +130,9 @@ def pdf_of_kinds(kinds, pdf, glossy_pdf):
 
 
 @kernel
-def look_at_arrival(block, workspace, number):
-    """Let a point of the group look at the arrival, and note what it would scatter of its light.
-
-    What blocks its view is what a ray of the arrival's kind meets, be it transparent or not: of behind that, no branch
-    brings anything to share.
-    """
+def _begin_look(block, workspace, number, lane):
+    """Let a point of the group note what it would scatter of the light of the arrival, and put its ray there in a lane
+    of the packet: False if it scatters nothing."""
     arrival, point = arrival_table(workspace)[0], point_table(workspace)[number]
     own = point_workspaces(workspace)[number]
     surface = surface_table(own)[0]
@@ -142,24 +140,49 @@ def look_at_arrival(block, workspace, number):
     way = sub(vec(arrival.position), x)
     distance = length(way)
     if distance <= 0.0:
-        return
+        return False
     wi = scale(way, 1.0 / distance)
     cosine = -dot(vec(arrival.normal), wi)
     if cosine <= 0.0 or dot(vec(surface.ng), wi) <= 0.0:
-        return
+        return False
     value, pdf, glossy_pdf = evaluate(block, own, wi, SCATTERED)
     of_kind = pdf_of_kinds(arrival.kind, pdf, glossy_pdf)
     if not of_kind > 0.0:
-        return
-    start_anew(block, workspace)
+        return False
     start = spawn_ray(workspace, surface, wi)
     direction, t_max = shadow_ray(x, start, wi, distance)
-    if occluded(block, workspace, start, direction, 0.0, t_max, arrival.kind):
-        return
+    put_ray(workspace, lane, number, start, direction, t_max, arrival.kind)
     geometry = cosine / (distance * distance)
     put(point.direction, wi)
     put(point.value, scale(value, of_kind / pdf * geometry))
-    point.pdf, point.area_pdf, point.part, point.visible = pdf, of_kind * geometry, glossy_pdf / pdf, 1
+    point.pdf, point.area_pdf, point.part = pdf, of_kind * geometry, glossy_pdf / pdf
+    return True
+
+
+@kernel
+def look_at_arrival(block, workspace, first, step):
+    """Let every ``step``-th point of the group, that number ``first`` among them, look at the arrival. What it would
+    scatter of its light is noted where it sees it.
+
+    What blocks its view is what a ray of the arrival's kind meets, be it transparent or not: of behind that, no branch
+    brings anything to share.
+    """
+    arrival, points, packet, lanes = (
+        arrival_table(workspace)[0],
+        point_table(workspace),
+        packet_table(workspace)[0],
+        0,
+    )
+    start_anew(block, workspace)
+    for number in range(arrival.points):
+        points[number].visible = 0
+        if number % step == first % step and _begin_look(block, workspace, number, lanes):
+            lanes += 1
+        if lanes == LANES or (lanes > 0 and number == arrival.points - 1):
+            find_occluded(block, workspace, lanes)
+            for lane in range(lanes):
+                points[packet.owner[lane]].visible = int(not is_occluded(workspace, lane))
+            lanes = 0
 
 
 @kernel
@@ -169,13 +192,11 @@ def look_from_all(block, workspace, source, step):
     arrival, points = arrival_table(workspace)[0], point_table(workspace)
     sample_table(workspace)[0].met += LOOK_COST * arrival.points / step
     arrival.density = 0.0
+    look_at_arrival(block, workspace, source, step)
     for number in range(arrival.points):
         point = points[number]
-        point.visible = 0
-        if number % step == source % step:
-            look_at_arrival(block, workspace, number)
-            if point.visible:
-                arrival.density += point.branches * point.area_pdf
+        if point.visible:
+            arrival.density += point.branches * point.area_pdf
     return points[source].visible != 0
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from ....jit import table
 from ...settings import MOST_BRANCHES
 from ..path import COUNTS as PATH_COUNTS
+from ..ray_packets import PACKET
 
 # A group has one pixel of each of SIDE × SIDE pairs of neighbours. So light that is brighter than expected becomes
 # scattered dots, not a square.
@@ -83,7 +84,7 @@ POINT = np.dtype(
 # ``reuse_step``: of so many points of a group, one shares an arrival that is not even.
 SCALARS = [("reuses_paths", np.int64), ("reuse_step", np.int64)]
 TABLES = {"path_reuse_code": np.dtype(np.int64)}
-WORKSPACE_TABLES = {"reuse_arrival": ARRIVAL, "reuse_points": POINT}
+WORKSPACE_TABLES = {"reuse_arrival": ARRIVAL, "reuse_points": POINT, "ray_packet": PACKET}
 BY_LIGHT = 0  # what ``arrivals.evaluate_arrival`` is for; or else the kind of the ray that goes on
 # The first path of a group, its branches with their rays, and the samples of its paths, in rows behind those of a path.
 GROUP_START, GROUP_PATH = PATH_COUNTS["path"], PATH_COUNTS["path"] + 1
@@ -94,6 +95,7 @@ COUNTS = {
     "ray": GROUP_RAY + GROUP * MOST_BRANCHES,
     "reuse_arrival": 1,
     "reuse_points": GROUP,
+    "ray_packet": 1,
 }
 
 arrival_table = table("reuse_arrival", ARRIVAL)

@@ -157,20 +157,18 @@ def _look(block, workspace, step, turn, shades):
     by area of their branches there, of diffuse and of glossy rays."""
     arrival, points, diffuse, glossy = arrival_table(workspace)[0], point_table(workspace), 0.0, 0.0
     samples = sample_table(workspace)
+    look_at_arrival(block, workspace, turn, step)
     for at in range(arrival.points):
         point = points[at]
-        point.visible = 0
-        if at % step == turn % step:
-            look_at_arrival(block, workspace, at)
-            if shades and point.visible:
-                samples[GROUP_SAMPLE + at].met += SHADE_COST
-                shade_arrival(block, workspace, at)
-                copy_surface(secondary_table(workspace)[0], point_workspaces(workspace)[GROUP + at])
-                point.visible = int(is_shareable(point_workspaces(workspace)[GROUP + at]))
-            if point.visible:
-                density = point.branches * point.area_pdf
-                diffuse += density * (1.0 - point.part)
-                glossy += density * point.part
+        if shades and point.visible:
+            samples[GROUP_SAMPLE + at].met += SHADE_COST
+            shade_arrival(block, workspace, at)
+            copy_surface(secondary_table(workspace)[0], point_workspaces(workspace)[GROUP + at])
+            point.visible = int(is_shareable(point_workspaces(workspace)[GROUP + at]))
+        if point.visible:
+            density = point.branches * point.area_pdf
+            diffuse += density * (1.0 - point.part)
+            glossy += density * point.part
     return diffuse, glossy
 
 
