@@ -21,7 +21,7 @@ from ..motion import LEAST_POWER, at, changes_shape, lamp_at, light_steps, shape
 from ..scene import Instance, Lamp, Mesh, Primitive, Scene
 from ..settings import LampSampling
 from ..strands import margin
-from . import camera, emission_graphs, film, geometry, integrator, lamp_tree, lights, motion, ray_packets, rays, shading
+from . import camera, emission_graphs, film, geometry, integrator, lamp_tree, lights, motion, rays, shading
 from .caustic_paths import records as caustic_path_records
 from .light_paths import records as light_path_records
 from .lights import kinds
@@ -71,7 +71,6 @@ SCALARS = [
     *strategies.SCALARS,
     *camera.SCALARS,
     *rays.SCALARS,
-    *ray_packets.SCALARS,
     *geometry.SCALARS,
     *emission_graphs.SCALARS,
     *shading.SCALARS,

@@ -33,7 +33,6 @@ PACKET = np.dtype(
 )
 RAYS_OFFSET = 4 * LANES  # bytes: behind ``filled``
 
-SCALARS = [("rtc_occluded8", np.int64)]
 packet_table = table("ray_packet", PACKET)
 
 

@@ -65,7 +65,9 @@ QUERY = np.dtype(
 )
 
 # ``filtered_query``: address of the ``QUERY`` of rays that do not meet all that they cross.
-SCALARS = [(name, np.int64) for name in ("embree_scene", "rtc_intersect", "rtc_occluded", "filtered_query")]
+SCALARS = [
+    (name, np.int64) for name in ("embree_scene", "rtc_intersect", "rtc_occluded", "rtc_occluded8", "filtered_query")
+]
 ray_table = table("ray", RAY)
 
 
