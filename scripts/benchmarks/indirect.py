@@ -10,6 +10,7 @@ is the processor time of a whole render, with all that is needed before the firs
 
 from __future__ import annotations
 
+import math
 import statistics
 
 import host
@@ -46,7 +47,17 @@ SEEDS, QUICK_SEEDS = 8, 3
 TRUTH = 16  # times as many samples, of as many seeds, tell the errors of denoised pictures
 DOCUMENT = host.REPOSITORY / "docs" / "sampling.md"
 BEGIN, END = "<!-- indirect -->", "<!-- end of indirect -->"
-COLUMNS = dict(gain="without both", paper="the paper's sampler", cycles="Cycles", cycles_guided="Cycles, path guiding")
+COLUMNS = dict(
+    gain="without both",
+    paper="the paper's sampler",
+    cycles="Cycles",
+    cycles_guided="Cycles, path guiding",
+    percentile="99.9th percentile",
+    worst="greatest",
+    flicker="flicker",
+    flicker_of_blocks="flicker of blocks",
+)
+BLOCK = 16  # pixels across that two groups of path reuse have together
 # Values of ``scene.sdf_lights.lamp_paths`` and ``path_reuse``.
 WITHOUT, AUTOMATIC = "NEVER", "AUTOMATIC"
 
@@ -135,7 +146,8 @@ def row_of(stacks: dict[str, np.ndarray], work: dict[str, float]) -> dict:
     """Figures of pictures (seeds, height, width, channels) and seconds of both variants.
 
     ``gain`` and ``gain_of_most``: see ``allocation.gains_of``. ``time``: with over without. ``percentile``, ``worst``:
-    the 99.9th percentile and the greatest of the errors of pixels, with over without.
+    the 99.9th percentile and the greatest of the errors of pixels, with over without. ``flicker`` and
+    ``flicker_of_blocks``: see ``flicker_of``, with over without; blocks are ``BLOCK`` pixels wide.
     ``difference``: of the means, as a part of the picture; ``deviation``: the same in standard errors. ``used``:
     whether the choice has changed anything.
     """
@@ -148,6 +160,9 @@ def row_of(stacks: dict[str, np.ndarray], work: dict[str, float]) -> dict:
         variant: np.mean([errors.pixel_errors(picture, mean) for picture in stack], axis=0)
         for variant, stack in stacks.items()
     }
+    flicker, of_blocks = (
+        flicker_of(stacks[AUTOMATIC], size) / max(flicker_of(stacks[WITHOUT], size), 1e-300) for size in (1, BLOCK)
+    )
     whole = {variant: stack.mean(axis=(1, 2, 3)) for variant, stack in stacks.items()}
     error = np.sqrt(sum(each.var(ddof=1) / len(each) for each in whole.values()))
     percentile, worst = ends[AUTOMATIC] / np.maximum(ends[WITHOUT], 1e-300)
@@ -159,10 +174,23 @@ def row_of(stacks: dict[str, np.ndarray], work: dict[str, float]) -> dict:
         time=1.0 / gains["time"],
         percentile=float(percentile),
         worst=float(worst),
+        flicker=flicker,
+        flicker_of_blocks=of_blocks,
         difference=float(difference / whole[WITHOUT].mean()),
         deviation=float(difference / error) if used else 0.0,
         used=used,
     )
+
+
+def flicker_of(frames: np.ndarray, size: int) -> float:
+    """The root mean square of the relative change from one frame to the next, of means of blocks of ``size`` pixels.
+    ``frames`` (n, height, width, channels) have different seeds, as those of a film."""
+    count, height, width, channels = frames.shape
+    rows, columns = max(height // size, 1), max(width // size, 1)
+    whole = frames[:, : rows * size, : columns * size]
+    blocks = whole.reshape(count, rows, min(size, height), columns, min(size, width), channels).mean(axis=(2, 4))
+    mean = blocks.mean(axis=0)
+    return math.sqrt(np.mean([errors.rel_mse(each, mean) for each in np.diff(blocks, axis=0) + mean]))
 
 
 def summary_of(rows: list[dict]) -> dict:

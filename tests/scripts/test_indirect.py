@@ -19,7 +19,18 @@ def test_gain_is_error_times_time():
     assert row["gain"] == pytest.approx(8.0, rel=0.15)
     assert row["time"] == pytest.approx(0.5)
     assert 0.4 < row["percentile"] < 0.6 and 0.4 < row["worst"] < 0.6
+    assert 0.4 < row["flicker"] < 0.6 and 0.3 < row["flicker_of_blocks"] < 0.7
     assert row["used"] and abs(row["deviation"]) < 4.0
+
+
+def test_blotches_flicker_in_blocks():
+    """Noise that all pixels of a block share is as strong in its mean; noise of single pixels is not."""
+    for pixels, blocks in ((16, 1.0), (1, 1.0 / 16.0)):
+        noise = np.random.default_rng(5).standard_normal((40, 32 // pixels, 32 // pixels, 1))
+        frames = 1.0 + 0.1 * noise.repeat(pixels, 1).repeat(pixels, 2)
+        alone = indirect.flicker_of(frames, 1)
+        assert alone == pytest.approx(0.1 * np.sqrt(2.0), rel=0.15)
+        assert indirect.flicker_of(frames, 16) == pytest.approx(alone * blocks, rel=0.25)
 
 
 def test_equal_pictures_lose_time_alone():
@@ -73,10 +84,11 @@ def test_rows_of_other_scenes_stay_in_the_document(tmp_path, monkeypatch):
     copy = tmp_path / "sampling.md"
     copy.write_text(indirect.DOCUMENT.read_text(encoding="utf-8"), encoding="utf-8")
     monkeypatch.setattr(indirect, "DOCUMENT", copy)
+    indirect.document([])
     before = copy.read_text(encoding="utf-8").splitlines()
     indirect.document([dict(indirect_scene="sign", chosen="path reuse", gain=2.5, cycles=12.0, cycles_guided=13.0)])
     after = copy.read_text(encoding="utf-8").splitlines()
-    assert "| sign | path reuse | 2.50 |  | 12 | 13 |" in after
+    assert "| sign | path reuse | 2.50 |  | 12 | 13 |  |  |  |  |" in after
     assert [line for line in after if not line.startswith("| sign ")] == [
         line for line in before if not line.startswith("| sign ")
     ]
