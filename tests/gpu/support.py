@@ -252,7 +252,7 @@ def with_textures(images: list, looked_up: list, place: int, uv: np.ndarray) -> 
             "#version 430 core",
             packed.uniform_source(),
             packed_scene.glsl("maths.glsl"),
-            packed.second_source(),
+            packed.buffer_source(),
             *codegen_glsl.helpers("angle"),
             packed_scene.glsl("words.glsl"),
             packed_scene.glsl("hashing.glsl"),

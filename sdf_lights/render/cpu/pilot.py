@@ -96,11 +96,13 @@ class Pilot:
         )
         return cls(total, whole, first, own_cost(film, at), film.divided[at, 2].sum() / max(film.count[at].sum(), 1))
 
-    def error_times_time(self, weights: np.ndarray) -> float:
-        """Of samples that split into the best number of branches, with the errors of pixels times ``weights``.
+    def error_times_time(self, weights: np.ndarray, splits: bool = True) -> float:
+        """Of samples that split into the best number of branches, or not, with the errors of pixels times ``weights``.
 
         n branches take n times the time, and leave one nth of the variance, so their product is that of any number
         (Bolin and Meyer 1997, "An error metric for Monte Carlo ray tracing")."""
+        if not splits:
+            return float(weights @ self.whole) * (self.time_before + self.time_after)
         before = max(float(weights @ self.before), 0.0)
         after = max(float(weights @ self.whole) - before, 0.0)
         return (np.sqrt(before * self.time_before) + np.sqrt(after * self.time_after)) ** 2
@@ -121,15 +123,17 @@ def brought(promise: float, lamps: bool) -> float:
     return (promise / PROMISE) ** (LAMPS_POWER if lamps else LIGHTS_POWER)
 
 
-def gain(without: Pilot, other: Pilot) -> float:
-    """Error × time of one pilot over that of the other: the lesser of those of all pixels and of most."""
+def gain(without: Pilot, other: Pilot, splits: bool = True) -> float:
+    """Error × time of one pilot over that of the other, for paths that split or not: the lesser of those of all pixels
+    and of most."""
     weights = _weights(without.sums + other.sums)
     found = []
     for part in (0.0, OUTLIERS):
         products = []
         for pilot in (without, other):
             noise = weights * pilot.whole
-            products.append(pilot.error_times_time(np.where(noise <= np.quantile(noise, 1.0 - part), weights, 0.0)))
+            used = np.where(noise <= np.quantile(noise, 1.0 - part), weights, 0.0)
+            products.append(pilot.error_times_time(used, splits))
         found.append(products[0] / products[1] if products[1] > 0.0 else 0.0)
     return min(found)
 
