@@ -82,7 +82,8 @@ def measure(name: str, options) -> dict:
     samples = LIGHTS_SAMPLES if name in (*LIGHTS, *THINGS, *INTERIORS) else QUICK_SAMPLES if options.quick else SAMPLES
     seeds = max(options.repeats or (QUICK_SEEDS if options.quick else SEEDS), 2)
     for variant in (WITHOUT, AUTOMATIC):
-        _render(name, scene, variant, 2, 0, options.device)  # compiles, and fills caches
+        # Compiles, and fills caches. On the GPU, a program with light paths needs as many samples as tell of them.
+        _render(name, scene, variant, samples if options.device == "GPU" else 2, 0, options.device)
     made = in_turns(
         (WITHOUT, AUTOMATIC),
         range(seeds),

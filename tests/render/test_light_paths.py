@@ -452,7 +452,7 @@ def test_they_take_over_the_light_of(change, less):
 def _pilot(whole: float, before: float = 0.0, time: float = 1.0, time_before: float = 1.0) -> pilot.Pilot:
     """Of samples with these variances, and these times after they split and before."""
     noise = np.random.default_rng(1).chisquare(1, 4000)
-    return pilot.Pilot(np.full(4000, 2.0), whole * noise, before * noise, time_before, time)
+    return pilot.Pilot(np.full(4000, 2.0), whole * noise, before * noise, time_before, time, 1.0)
 
 
 def test_gain_is_error_times_time():

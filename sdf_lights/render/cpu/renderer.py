@@ -34,6 +34,7 @@ from .pilot import (
     REUSE_GAIN,
     ROWS_BRANCHES,
     SHARED_PROMISE,
+    WHOLE_GAIN,
     GainEstimate,
     Pilot,
     brought,
@@ -149,7 +150,7 @@ class CpuRenderer:
         if light_paths is None or not light_paths.automatic:
             return light_paths
         pixels = self._pilot_pixels(light_paths)
-        without = self._trial(pixels, PILOT_SAMPLES, stop, most_branches=1) if pixels is not None else None
+        without = self._trial(pixels, PILOT_SAMPLES, stop) if pixels is not None else None
         if without is None:
             return None
         found = self._try_light_paths(light_paths, pixels, without, stop, splits=False)
@@ -278,11 +279,12 @@ class CpuRenderer:
         alone = Pilot.of(without, pixels)
         if not may_be_worthwhile(alone):
             return GainEstimate()
-        connected = self._trial(pixels, PILOT_SAMPLES, stop, light_paths, MOST_BRANCHES if splits else 1)
+        connected = self._trial(pixels, PILOT_SAMPLES, stop, light_paths)
         if connected is None:
             return None
         promise = gain(alone, Pilot.of(connected, pixels), splits)
-        return GainEstimate(brought(promise, light_paths.has_lamps()) if promise > GAIN else 0.0)
+        least = GAIN if splits else WHOLE_GAIN
+        return GainEstimate(brought(promise, light_paths.has_lamps()) if promise > least else 0.0)
 
     def _try_reuse(self, rows: np.ndarray, without: Film, stop: Callable[[], bool]) -> GainEstimate | None:
         """The gain of path reuse, by these rows of pixels; None if stopped before the end."""
