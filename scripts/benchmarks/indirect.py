@@ -99,6 +99,7 @@ def measure(name: str, options) -> dict:
             alone = _render(name, scene, variant, samples, 0, options.device, reuse=reuse)
             if np.array_equal(alone.pixels, made[AUTOMATIC][0].pixels):
                 row["chosen"] = only
+                break
     if options.denoised and name in ROOMS:
         row["denoised"] = _denoised(name, scene, samples, seeds, options.device)
     rivals = _rivals(name, options.device) if options.rivals else {}
