@@ -27,7 +27,7 @@ SCALARS = "light_path_follows", "light_path_all", "light_path_roulette"
 
 
 class LightPathsByCpu:
-    """See ``interfaces.LightPathTracer``."""
+    """The light paths that a renderer of the CPU has found for a scene: see ``interfaces.LightPathTracer``."""
 
     def __init__(self, renderer: CpuRenderer, light_paths: LightPaths):
         self._renderer, self._light_paths = renderer, light_paths
@@ -36,10 +36,12 @@ class LightPathsByCpu:
         self.scalars = {name: renderer.packed.block[name][0].item() for name in SCALARS}
 
     def use(self, sample: int) -> tuple[int, dict[str, np.ndarray]]:
+        """See ``interfaces.LightPathTracer``."""
         end = self._light_paths.use(sample)
         return end, {name: self._renderer.packed.table(name) for name in OF_SET}
 
     def finish(self) -> None:
+        """See ``interfaces.LightPathTracer``."""
         self._renderer.finish()
 
 

@@ -29,8 +29,8 @@ MOST_COST = 0.02
 # it promised 0.7 to 1.7, they brought 1 to 8, and where it promised less than 0.5, 0.3 to 0.5. And what they must
 # promise before they are tried.
 GAIN, LEAST_POTENTIAL = 0.7, 1.5
-# The same of paths that do not split, on the GPU. Where a pilot promised 0.6 to 0.8, they brought 0.5; where it
-# promised 0.7 to 1.1, 2.3; where it promised 1.2 to 4.6, 1.7 to 22.
+# The same of paths that do not split, on the GPU. Where it promised 0.6 to 0.8, they brought 0.5, and 2.3 where it
+# promised 0.7 to 1.1. Where it promised 1.2 to 4.6, they brought 1.7 to 22.
 WHOLE_GAIN = 0.85
 # The same of path reuse, and the least number of samples of a render that tries it. One or two samples of an eighth of
 # the pixels, or of so many pixels, tell: 2 % of the shortest render.
