@@ -16,12 +16,13 @@ from sdf_lights import jit
 from sdf_lights.render import light_paths, session
 from sdf_lights.render.errors import RenderError
 from sdf_lights.render.film import Film
+from sdf_lights.render.gpu import renderer
 from sdf_lights.render.gpu.packed_scene import GpuScene
 from sdf_lights.render.lights.point import PointLight
 from sdf_lights.render.scene import Ray
 from sdf_lights.render.settings import CausticPaths, Device, LampPaths, PathReuse
 from support.blocks import means
-from support.scenes import add, cove, diffuse, material, room, scaling, torus_lamp, translation
+from support.scenes import add, cove, diffuse, material, moving, room, scaling, torus_lamp, translation
 from tests.gpu.support import device_or_skip, with_light_paths
 
 pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installed")
@@ -92,6 +93,20 @@ def test_automatic_uses_them_where_they_pay():
     assert np.array_equal(automatic, always) and not np.array_equal(automatic, without)
 
 
+@pytest.mark.slow
+def test_a_graphics_card_gives_the_same_sums(monkeypatch):
+    """It has some of the pixels at a time, and each of these parts has all sets of light paths. The arrays of a thread
+    are in a buffer."""
+    found = device_or_skip()
+    first = rendered(cove, ALWAYS, Device.GPU)
+    monkeypatch.setattr(renderer, "FIRST_WORK", 1)  # dispatches of one sample
+    monkeypatch.setattr(found, "software", False)
+    monkeypatch.setattr(renderer, "SLAB_OF_CARD", 64)
+    second = rendered(cove, ALWAYS, Device.GPU)
+    for name in ("combined", "half"):
+        np.testing.assert_array_equal(first.sums[name], second.sums[name])
+
+
 def test_where_they_cannot_be_used_no_bit_changes():
     """An object that only some rays see, and a sample that nothing measures."""
     device_or_skip()
@@ -113,6 +128,9 @@ def test_a_program_has_code_for_them_only_where_they_are_used():
     assert {name for name in names if name in source} == names
     assert not [name for name in names if name in plain]
     scene.settings.lamp_paths = NEVER
+    assert with_light_paths(scene)[2] is None
+    scene = moving(8, 6)
+    scene.settings.lamp_paths = ALWAYS
     assert with_light_paths(scene)[2] is None
 
 
