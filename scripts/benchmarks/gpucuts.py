@@ -58,7 +58,8 @@ def measure(name: str, options) -> dict:
     def render(sampler: str, samples: int, seed: int) -> pictures.Picture:
         device = "GPU" if options.device == "AUTOMATIC" else options.device
         simple_scenes.plain_sdf_lights(bpy.context.scene, samples, options.cut_bounces, device)
-        bpy.context.scene.sdf_lights.seed, bpy.context.scene.sdf_lights.lamp_sampling = seed, sampler
+        settings = bpy.context.scene.sdf_lights
+        settings.seed, settings.lamp_sampling, settings.lamp_paths = seed, sampler, "NEVER"
         return pictures.render()
 
     with cuts_with(options.cut_bounces):

@@ -93,7 +93,8 @@ def measure(name: str, options) -> dict:
     samples = LIGHTS_SAMPLES if name in (*LIGHTS, *THINGS, *INTERIORS) else QUICK_SAMPLES if options.quick else SAMPLES
     seeds = max(options.repeats or (QUICK_SEEDS if options.quick else SEEDS), 2)
     for variant in (WITHOUT, AUTOMATIC):
-        _render(name, scene, variant, 2, 0, options.device)  # compiles, and fills caches
+        # Compiles, and fills caches. On the GPU, a program with light paths needs as many samples as tell of them.
+        _render(name, scene, variant, samples if options.device == "GPU" else 2, 0, options.device)
     made = in_turns(
         (WITHOUT, AUTOMATIC),
         range(seeds),
@@ -109,6 +110,7 @@ def measure(name: str, options) -> dict:
             alone = _render(name, scene, variant, samples, 0, options.device, reuse=reuse)
             if np.array_equal(alone.pixels, made[AUTOMATIC][0].pixels):
                 row["chosen"] = only
+                break
     if options.denoised and name in ROOMS:
         row["denoised"] = _denoised(name, scene, samples, seeds, options.device)
     rivals = _rivals(name, options.device) if options.rivals else {}

@@ -112,7 +112,8 @@ def changed(change):
 
 def _render(samples: int, bounces: int) -> pictures.Picture:
     simple_scenes.plain_sdf_lights(bpy.context.scene, samples, bounces, "GPU")
-    bpy.context.scene.sdf_lights.lamp_sampling = LampSampling.MIS.value
+    settings = bpy.context.scene.sdf_lights
+    settings.lamp_sampling, settings.lamp_paths = LampSampling.MIS.value, "NEVER"
     return pictures.render()
 
 

@@ -14,6 +14,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Protocol, runtime_checkable
 
+import numpy as np
+
 from .film import Film as FilmOfScene
 from .scene import Scene
 
@@ -40,6 +42,27 @@ class BackEnd(Protocol):
 
     def finish(self) -> None:
         """Warn about unresolved rays, and free the memory of the render; the film stays."""
+        ...
+
+
+@runtime_checkable
+class LightPathTracer(Protocol):
+    """Traces light paths for a back end that only connects its paths with them, of a scene that has some.
+
+    ``tables`` and ``scalars`` of ``kernels.light_paths.records`` are the same for all samples: which materials and
+    emitters have light paths, and how much paths count on them.
+    """
+
+    tables: dict[str, np.ndarray]
+    scalars: dict[str, float]
+
+    def use(self, sample: int) -> tuple[int, dict[str, np.ndarray]]:
+        """For the samples from ``sample`` on: which is the first one after these, and the tables of the tree and of the
+        vertices that all of them are connected with."""
+        ...
+
+    def finish(self) -> None:
+        """Free the memory."""
         ...
 
 

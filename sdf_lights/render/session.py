@@ -101,10 +101,12 @@ def render(
     check_size(scene, passes)
     if wants_gpu(scene.settings):
         from .gpu.renderer import GpuRenderer
+        from .light_paths import traced_by_cpu
 
         told = list(scene.warnings)
+        back_end = functools.partial(GpuRenderer, trace=traced_by_cpu)
         try:
-            return _render(GpuRenderer, scene, passes, cancelled, on_progress, on_update)
+            return _render(back_end, scene, passes, cancelled, on_progress, on_update)
         except DeviceError as error:
             scene.warnings[:] = [*told, f"The GPU cannot render this: {error}. The CPU has rendered it."]
     return _render(choose_back_end(scene), scene, passes, cancelled, on_progress, on_update)

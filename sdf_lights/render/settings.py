@@ -128,8 +128,7 @@ class Settings:
     lamp_paths: LampPaths = _setting(
         LampPaths.AUTOMATIC,
         "Trace paths from lamps and lights, too, and connect them to those from the camera. This gives less noise where "
-        "walls scatter the light of hidden lamps. Automatic measures whether it pays. Only on the CPU and in final "
-        "renders",
+        "walls scatter the light of hidden lamps. Automatic measures whether it pays. Only in final renders",
         label="Paths from Lamps",
     )
     path_reuse: PathReuse = _setting(

@@ -18,7 +18,10 @@ from sdf_lights.render.gpu import packed_scene, replacements, thread_arrays
 from sdf_lights.render.gpu.device import Device, DeviceError, device
 from sdf_lights.render.gpu.tables import Tables
 from sdf_lights.render.gpu.translate import BLOCK, FLOAT, INT, VECTOR, WORKSPACE, Translator, Tuple, Value, known
+from sdf_lights.render.interfaces import LightPathTracer
 from sdf_lights.render.kernels import samplers, textures
+from sdf_lights.render.light_paths import traced_by_cpu
+from sdf_lights.render.scene import Scene
 from sdf_lights.render.settings import LampSampling
 from support import scenes
 
@@ -31,6 +34,12 @@ def device_or_skip() -> Device:
         return device()
     except DeviceError as error:
         pytest.skip(f"no GPU back end: {error}")
+
+
+def with_light_paths(scene: Scene) -> tuple[Scene, Film, LightPathTracer | None]:
+    """A scene, its film, and its light paths."""
+    film = Film(scene, ())
+    return scene, film, traced_by_cpu(scene, film, lambda: False, lambda text: None)
 
 
 def _parts(kind, text: str) -> list[str]:
@@ -252,7 +261,7 @@ def with_textures(images: list, looked_up: list, place: int, uv: np.ndarray) -> 
             "#version 430 core",
             packed.uniform_source(),
             packed_scene.glsl("maths.glsl"),
-            packed.second_source(),
+            packed.buffer_source(),
             *codegen_glsl.helpers("angle"),
             packed_scene.glsl("words.glsl"),
             packed_scene.glsl("hashing.glsl"),

@@ -13,7 +13,9 @@ from sdf_lights.render.film import Film
 from sdf_lights.render.gpu import thread_arrays
 from sdf_lights.render.gpu.packed_scene import GpuScene
 from support import scenes
+from support.scenes.lamps import cove
 from support.scenes.media import MEDIA_SCENES, VARYING_SCENES
+from tests.gpu.support import with_light_paths
 
 pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installed")
 
@@ -42,6 +44,14 @@ def complaints(source: str, path) -> tuple[int, list[str]]:
 def test_no_name_is_reserved(name):
     # NVIDIA's compiler takes two underscores in succession for an error, Mesa's does not.
     assert re.findall(r"\b\w*__\w*", program(name)) == []
+
+
+def test_connections_to_light_paths_are_no_exception(tmp_path):
+    scene, film, tracer = with_light_paths(cove(8, 6))
+    source = GpuScene(scene, film, tracer=tracer).source()
+    assert re.findall(r"\b\w*__\w*", source) == []
+    assert "own_floats[OWN(" in source  # what a point expects of each top node is a long array
+    assert complaints(source, tmp_path / "program.comp") == (0, [])
 
 
 @pytest.mark.slow

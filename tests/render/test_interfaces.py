@@ -16,6 +16,7 @@ from sdf_lights.render.gpu.renderer import GpuRenderer
 from sdf_lights.render.kernels import film, lights, samplers
 from sdf_lights.render.kernels.lights import kinds
 from sdf_lights.render.kernels.shading import special
+from sdf_lights.render.light_paths import LightPathsByCpu
 from sdf_lights.render.reference.renderer import ReferenceRenderer
 from sdf_lights.render.session import choose_back_end
 from sdf_lights.render.settings import Device
@@ -26,6 +27,7 @@ pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installe
 REGISTERED = [
     *((back_end, interfaces.BackEnd) for back_end in (CpuRenderer, GpuRenderer, ReferenceRenderer)),
     *((back_end, interfaces.InteractiveBackEnd) for back_end in (CpuRenderer, ReferenceRenderer)),
+    (LightPathsByCpu, interfaces.LightPathTracer),
     *((module, interfaces.Light) for module in kinds.KINDS.values()),
     *((module, interfaces.Bsdf) for module in dict.fromkeys(special.CLOSURES.values())),
     (lights, interfaces.LightSampler),

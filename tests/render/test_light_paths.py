@@ -449,10 +449,12 @@ def test_they_take_over_the_light_of(change, less):
     assert noise[1] < less * noise[0]
 
 
-def _pilot(whole: float, before: float = 0.0, time: float = 1.0, time_before: float = 1.0) -> pilot.Pilot:
+def _pilot(
+    whole: float, before: float = 0.0, time: float = 1.0, time_before: float = 1.0, branches: float = 1.0
+) -> pilot.Pilot:
     """Of samples with these variances, and these times after they split and before."""
     noise = np.random.default_rng(1).chisquare(1, 4000)
-    return pilot.Pilot(np.full(4000, 2.0), whole * noise, before * noise, time_before, time)
+    return pilot.Pilot(np.full(4000, 2.0), whole * noise, before * noise, time_before, time, branches)
 
 
 def test_gain_is_error_times_time():
@@ -471,6 +473,15 @@ def test_gain_is_that_of_the_best_number_of_branches():
         for branches in (1, 3, 16)
     }
     assert list(found.values()) == pytest.approx([best[0] / best[1]] * 3, rel=1e-3)
+
+
+def test_gain_of_whole_paths():
+    """However many branches the pilot has, the figures are those of one."""
+    without, connected = (1.0, 5.0, 2.0, 3.0), (1.0, 2.0, 4.0, 3.0)  # as above
+    whole = [(a + b) * (d + c) for a, b, c, d in (without, connected)]
+    for k in (1, 3, 16):
+        pilots = [_pilot(a + b / k, a, k * c, d, k) for a, b, c, d in (without, connected)]
+        assert pilot.gain(*pilots, splits=False) == pytest.approx(whole[0] / whole[1])
 
 
 def test_a_few_bright_pixels_do_not_decide():

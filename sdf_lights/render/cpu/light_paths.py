@@ -20,6 +20,7 @@ from ..kernels.light_paths.records import (
     CONNECTS_ALL,
     FOLLOW_ALL,
     FOLLOW_DIFFUSE,
+    MOST_NODES,
     MOST_TOPS,
     NODE,
     TARGET,
@@ -69,7 +70,6 @@ PILOT_NUMBER = 1 << 30  # of light paths: beyond those of samples
 MOST_VERTICES = 32  # of a path
 CONNECTIONS = 2  # for each ray that scatters where paths split
 PATH_COST = 2.0  # of a light path, in samples of pixels
-NODES = 4096
 # Of the world and suns: targets of their light paths, and places among which these are chosen; what a place counts at
 # least, as a part of the mean; the neighbour whose distance is the radius of a target, and the least radius, as a part
 # of the scene's; the least power, as a part of all.
@@ -402,7 +402,7 @@ class LightPaths:
         pilots = np.zeros((PILOTS, 3))
         scene, scratch = self._workspaces[0].scene, self._workspaces[0].block
         pilots = pilots[: find_places(scene, scratch, self._scene.width, self._scene.height, 1, pilots)]
-        nodes, tops, count, top_count = np.zeros(NODES, NODE), np.zeros(MOST_TOPS, np.int64), 0, 0
+        nodes, tops, count, top_count = np.zeros(MOST_NODES, NODE), np.zeros(MOST_TOPS, np.int64), 0, 0
         if len(vertices) and len(pilots):
             weight_by_visibility(scene, scratch, vertices, pilots)
             count, top_count = tree.build(vertices, pilots, nodes, tops)

@@ -34,6 +34,7 @@ from .pilot import (
     REUSE_GAIN,
     ROWS_BRANCHES,
     SHARED_PROMISE,
+    WHOLE_GAIN,
     GainEstimate,
     Pilot,
     brought,
@@ -136,6 +137,24 @@ class CpuRenderer:
         """Let the paths of neighbouring pixels share their branches from now on, as ``PackedScene.set_path_reuse``."""
         self._reuses = step > 0
         self._packed.set_path_reuse(step, connects)
+
+    @property
+    def packed(self) -> PackedScene:
+        """The scene as kernels read it, after a set-up that was not cancelled."""
+        return self._packed
+
+    def light_paths_of_whole_paths(self, stop: Callable[[], bool]) -> LightPaths | None:
+        """Light paths for another back end, whose paths do not split: as the settings say, or if a pilot promises that
+        they pay. None, too, if stopped before the end. The film stays as it is."""
+        light_paths = self._light_paths
+        if light_paths is None or not light_paths.automatic:
+            return light_paths
+        pixels = self._pilot_pixels(light_paths)
+        without = self._trial(pixels, PILOT_SAMPLES, stop) if pixels is not None else None
+        if without is None:
+            return None
+        found = self._try_light_paths(light_paths, pixels, without, stop, splits=False)
+        return light_paths if found is not None and found.gain > 0.0 else None
 
     def interrupt(self) -> None:
         """Stop sampling within milliseconds, if ``stop`` also returns True then. Other threads may call this."""
@@ -254,17 +273,18 @@ class CpuRenderer:
         return self._film if self._sample_pixels(pixels, PILOT_SAMPLES, stop, lambda part: None) else None
 
     def _try_light_paths(
-        self, light_paths: LightPaths, pixels: np.ndarray, without: Film, stop: Callable[[], bool]
+        self, light_paths: LightPaths, pixels: np.ndarray, without: Film, stop: Callable[[], bool], splits: bool = True
     ) -> GainEstimate | None:
-        """The gain of light paths, by these pixels; None if stopped before the end."""
+        """The gain of light paths, by these pixels, for paths that split or not; None if stopped before the end."""
         alone = Pilot.of(without, pixels)
         if not may_be_worthwhile(alone):
             return GainEstimate()
         connected = self._trial(pixels, PILOT_SAMPLES, stop, light_paths)
         if connected is None:
             return None
-        promise = gain(alone, Pilot.of(connected, pixels))
-        return GainEstimate(brought(promise, light_paths.has_lamps()) if promise > GAIN else 0.0)
+        promise = gain(alone, Pilot.of(connected, pixels), splits)
+        least = GAIN if splits else WHOLE_GAIN
+        return GainEstimate(brought(promise, light_paths.has_lamps()) if promise > least else 0.0)
 
     def _try_reuse(self, rows: np.ndarray, without: Film, stop: Callable[[], bool]) -> GainEstimate | None:
         """The gain of path reuse, by these rows of pixels; None if stopped before the end."""

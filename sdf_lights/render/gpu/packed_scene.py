@@ -17,7 +17,9 @@ from ...graph import codegen_glsl
 from ...graph.codegen_native import LANES
 from ...graph.tables import address_slots, as_float32, with_places
 from ..film import CHANNELS, HALF_BIT, SCATTERED, Film
+from ..interfaces import LightPathTracer
 from ..kernels import camera, geometry, integrator, lamp_tree, lights, path, rays, samplers, shading
+from ..kernels.light_paths import code_table as light_path_code
 from ..kernels.media import code_table as media_code
 from ..kernels.media import pack as media
 from ..kernels.media.grids import least_section
@@ -39,7 +41,7 @@ from ..medium import some_varies
 from ..passes import CATCHER_SUMS
 from ..scene import Scene
 from ..settings import LampSampling
-from . import catchers, closed_lamp_parts, lamp_kernels, replacements, special, varying_media
+from . import catchers, closed_lamp_parts, lamp_kernels, light_paths, replacements, special, varying_media
 from . import crossings as field_crossings
 from . import images as gpu_images
 from .bvh import KINDS, MOST_IN_LEAF, Hierarchy
@@ -77,6 +79,9 @@ SETTLED = frozenset(
         "camera_in_media",
         "has_subsurface",
         "light_paths",
+        "light_path_follows",
+        "light_path_all",
+        "light_path_roulette",
         "caustic_paths",
         "reuses_paths",
         "has_strands",
@@ -111,6 +116,7 @@ CODE = {
     "subsurface_code": subsurface_code.KERNELS,
     "output_code": {place: kernel for place, (_, kernel, _) in output_code.KERNELS.items()},
     "strand_code": {strands.FILL: fill_strand},
+    "light_path_code": _kernels(light_path_code.KERNELS),
 }
 
 
@@ -130,7 +136,7 @@ class GpuScene:
     reads textures faster as images, because there is no code for levels of detail then, and has the arrays of a thread
     as variables (see ``thread_arrays``); ``room``: bytes of a buffer; ``hierarchy``: that of the same triangles, curves
     and spheres, if there is one; ``moves``: whether the same scene at other times shares the program; ``group``:
-    threads of a work group."""
+    threads of a work group; ``tracer``: of the light paths with which paths are connected, if they are."""
 
     def __init__(
         self,
@@ -141,11 +147,13 @@ class GpuScene:
         hierarchy: Hierarchy | None = None,
         moves: bool = False,
         group: int = GROUP,
+        tracer: LightPathTracer | None = None,
     ):
         if scene.settings.lamp_sampling is LampSampling.EXTERNAL:
             raise DeviceError("it has no such sampling of lamps")
         self._software = software
         self.group = group
+        self.connects = tracer is not None
         self.formulas = lamp_kernels.Formulas()
         materials, graphs = shading.pack_materials(scene)
         self.lobes = materials["lobes"]
@@ -196,6 +204,8 @@ class GpuScene:
             if not (film.matte_places or film.data_places.keys() - set(CATCHER_SUMS)):
                 more["outputs"] &= ~DATA  # catchers alone need no properties of surfaces
         tables |= {name: table for name, table in shown.items() if name not in WRITTEN}
+        if tracer is not None:
+            tables |= tracer.tables
         # Columns of data that are of the first sample of a pixel.
         self.first_alone = np.flatnonzero(shown.get("data_numbers", ()))
         varying = bool((materials["emissions"]["graph"] != shading.NO_GRAPH).any())
@@ -203,10 +213,11 @@ class GpuScene:
             **media_scalars,
             "has_subsurface": int(self.deep),
             "has_strands": int(bool(self.hierarchy.strands)),
-            "light_paths": 0,
+            "light_paths": int(self.connects),
             "caustic_paths": 0,
             "reuses_paths": 0,
             **more,
+            **(tracer.scalars if tracer is not None else {}),
             "emission_graphs": varying,
             **camera.camera_scalars(scene),
             **integrator_scalars(scene, flags, tables),
@@ -237,6 +248,7 @@ class GpuScene:
             WRITTEN,
             unknown,
             ThreadArrays(buffered=not software),
+            light_paths.streamed() if self.connects else None,
         )
         self.scalars = scalars
 
@@ -318,6 +330,8 @@ class GpuScene:
             "light_cut": 1,
             **lamp_tree.workspace_counts(len(self.lamps)),
         }
+        if self.connects:
+            counts["light_path_choice"] = 1
         if self.media:
             counts["inside"] = 2  # of the path and of a light ray
         if self.varies:
@@ -383,6 +397,8 @@ class GpuScene:
             groups.append(replacements.NO_LAMPS)
         if self.film.catches:
             groups.append(replacements.CATCHERS)
+        if self.connects:
+            groups.append(replacements.LIGHT_PATHS)
         constants = replacements.ROUNDING | replacements.ROWS | replacements.SETS
         if self.varies and not self.world_varies:
             groups.append(replacements.WITHOUT_VARYING_WORLD)
@@ -411,7 +427,7 @@ class GpuScene:
                 self.tables.uniform_source(),
                 *self._defines(),
                 glsl("maths.glsl"),
-                self.tables.second_source(),
+                self.tables.buffer_source(),
                 *codegen_glsl.helpers("angle"),
                 self.tables.arrays.source(),
                 workspace,

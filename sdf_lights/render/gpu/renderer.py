@@ -7,7 +7,7 @@ from __future__ import annotations
 import dataclasses
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import Future, wait
 
 import numpy as np
@@ -17,9 +17,10 @@ from ...interruption import Watch, check, watched
 from ...interruption import say as say_to_watch
 from ..errors import RenderError
 from ..film import Film
+from ..interfaces import LightPathTracer
 from ..motion import at, changes_shape, part_of, time_of
 from ..scene import Scene
-from . import thread_arrays
+from . import streamed, thread_arrays
 from .bvh import Hierarchy
 from .device import DeviceError, device, megabytes
 from .packed_scene import TEXTURE_BITS, GpuScene, film_places
@@ -44,11 +45,19 @@ def _add(array: np.ndarray, rows, part: np.ndarray) -> None:
 
 class GpuRenderer:
     """Renders ``scene`` into ``film``. ``cancelled`` and ``say`` are for the set-up, which compiles for some seconds.
+    ``trace`` finds the light paths of a scene, if it has some: see ``render/light_paths.py``.
 
     Raises ``DeviceError`` if the CPU must take over; so does ``sample``.
     """
 
-    def __init__(self, scene: Scene, film: Film, cancelled: Callable[[], bool], say: Callable[[str], None]):
+    def __init__(
+        self,
+        scene: Scene,
+        film: Film,
+        cancelled: Callable[[], bool],
+        say: Callable[[str], None],
+        trace: Callable[..., LightPathTracer | None] = lambda scene, film, cancelled, say: None,
+    ):
         changing = next((lamp.name for lamp in scene.lamps if scene.shutter is not None and changes_shape(lamp)), None)
         if changing is not None:
             raise DeviceError(f"it cannot blur lamp “{changing}”, whose shape changes while the shutter is open")
@@ -56,6 +65,7 @@ class GpuRenderer:
         self._device = device()
         self._made: list = []
         self._arrays: list = []  # the buffer of ``thread_arrays``, if there is one
+        self._streamed: list = []  # that of ``streamed``, likewise
         self._places, self._size = film_places(film)
         bytes_, slab = self._device.largest_buffer, SLAB
         if not self._device.software:
@@ -71,6 +81,7 @@ class GpuRenderer:
                 "to have it."
             )
             self._shutter = dataclasses.replace(scene.shutter, rolling=None)
+        self._tracer = trace(scene, film, cancelled, say)
         say("Building the scene")
         self.ready = self._set_up(scene, cancelled, say)
 
@@ -147,7 +158,8 @@ class GpuRenderer:
             if index:
                 scene = dataclasses.replace(scene, warnings=[])
         device, moves = self._device, self._shutter is not None
-        return GpuScene(scene, self._film, device.software, device.largest_buffer, hierarchy, moves, device.group)
+        room, group = device.largest_buffer, device.group
+        return GpuScene(scene, self._film, device.software, room, hierarchy, moves, group, self._tracer)
 
     def _move(self, context, index: int) -> None:
         """Put everything where it is at the time of a sample."""
@@ -170,6 +182,14 @@ class GpuRenderer:
             self._reserve_arrays(context)
         self._bind()
 
+    def _connect(self, context, tables: dict[str, np.ndarray]) -> None:
+        """Connect the next paths with the vertices of light paths in these tables."""
+        for made in self._streamed:
+            made.release()
+        self._streamed = []
+        self._streamed = [self._filled(context, self._packed.tables.streamed.words(tables))]
+        self._streamed[0].bind_to_storage_buffer(streamed.BINDING)
+
     def _load(self, context, packed: GpuScene) -> None:
         """Put a scene's tables and triangles on the GPU."""
         words, second, uniforms = packed.tables.pack(packed.scalars)
@@ -181,16 +201,17 @@ class GpuRenderer:
         self._made, self._loaded = before, [self._uniforms, self._words, self._second, *self._textures]
 
     def _buffer(self, context, array: np.ndarray):
+        return self._kept(self._filled(context, array))
+
+    def _filled(self, context, array: np.ndarray):
+        """A buffer with these words."""
         if array.nbytes > self._device.largest_buffer:
             raise DeviceError(
                 f"the scene needs {megabytes(array.nbytes)} in one buffer, and it allows "
                 f"{megabytes(self._device.largest_buffer)}"
             )
-        return self._kept(
-            self._device.allocate(
-                context, array.nbytes, context.buffer, np.ascontiguousarray(array).view(np.uint8).reshape(-1)
-            )
-        )
+        words = np.ascontiguousarray(array).view(np.uint8).reshape(-1)
+        return self._device.allocate(context, array.nbytes, context.buffer, words)
 
     def _texture(self, context, array: np.ndarray):
         """Records of whole groups of four words, as rows of a texture of unsigned integers."""
@@ -293,17 +314,11 @@ class GpuRenderer:
             return False
         active = np.flatnonzero(self._film.active)
         total, done = len(active) * count, 0
-        # Samples that are taken together: if anything moves, those of one time.
-        parts = [(first, count)] if self._shutter is None else [(index, 1) for index in range(first, first + count)]
         for start in range(0, len(active), self._slab):
             pixels = active[start : start + self._slab]
             self._call(self._begin, pixels)
             stopped = False
-            for begin, many in parts:
-                if stopped:
-                    break
-                if self._shutter is not None:
-                    self._call(self._move, begin)
+            for begin, many in self._together(first, first + count):
                 place = 0
                 while place < len(pixels) and not stopped:
                     most = min(len(pixels) - place, self._threads)
@@ -323,11 +338,29 @@ class GpuRenderer:
                         if not stopped:
                             report(done / total)
                     place += threads
+                if stopped:
+                    break
             self._call(self._collect, pixels)
             if stopped:
                 return False
         self._film.samples = first + count
         return True
+
+    def _together(self, first: int, end: int) -> Iterator[tuple[int, int]]:
+        """First sample and number of those that are taken together: of one time if anything moves, of one set of light
+        paths, or all. Everything is ready for them then."""
+        at = first
+        while at < end:
+            to = end
+            if self._shutter is not None:
+                to = at + 1
+                self._call(self._move, at)
+            if self._tracer is not None:
+                of_set, tables = self._tracer.use(at)
+                to = min(to, of_set)
+                self._call(self._connect, tables)
+            yield at, to - at
+            at = to
 
     def _samples_of_thread(self, pixels: int, many: int) -> int:
         """How many of ``many`` samples a thread takes in a dispatch, if so many pixels are left."""
@@ -351,11 +384,13 @@ class GpuRenderer:
 
         def release(context) -> np.ndarray:
             lengths = np.frombuffer(self._lengths.read(), np.float32).reshape(-1, 2) if self.ready else np.zeros((0, 2))
-            for made in (*self._made, *self._loaded, *self._arrays):
+            for made in (*self._made, *self._loaded, *self._arrays, *self._streamed):
                 made.release()
-            self._made, self._loaded, self._arrays = [], [], []
+            self._made, self._loaded, self._arrays, self._streamed = [], [], [], []
             return lengths
 
+        if self._tracer is not None:
+            self._tracer.finish()
         released = self._device.submit(release)
         if self.ready:  # otherwise a compiler may be running, and a cancelled render does not wait for it
             self._warnings += unresolved(self._packed.lamps, self._result(released).astype(np.float64))

@@ -21,7 +21,8 @@ from ...emitter.primitives import sponge, torus
 from ...emitter.sampling import cut, cut_points
 from ...emitter.tree import crossings
 from ...jit import call_part, float_bits, stack_array
-from ..kernels import gather, geometry, lamp_tree, next_event, ray_origins, rays, textures
+from ..kernels import gather, geometry, integrator, lamp_tree, next_event, ray_origins, rays, textures
+from ..kernels.light_paths import connections
 from ..kernels.lights import emitters, linking, rectangle, tree, triangle
 from ..kernels.media import cells, in_scattering, light_rays, stack, travel, varying
 from ..kernels.outputs import catchers as output_catchers
@@ -31,7 +32,7 @@ from ..kernels.shading import operands
 from ..kernels.subsurface import disk
 from ..kernels.subsurface import records as subsurface
 from ..kernels.workspace import cut_of, light_cut_of, spans_of
-from . import catchers, closed_lamp_parts, images, lamp_kernels, still, varying_media
+from . import catchers, closed_lamp_parts, images, lamp_kernels, light_paths, still, varying_media
 from . import crossings as field_crossings
 from .layout import Array
 from .translate import BOOL, CONSTANT, FLOAT, INT, UINT, ULONG, VECTOR, WORKSPACE, Native, Ref, Tuple, Value, known
@@ -63,6 +64,7 @@ ROWS = {
     (varying, "LIGHT_RAY_OUTPUT"): 1,
     (varying, "KEPT_RAY"): 1,
     (output_light, "LIGHT_RAY"): 1,
+    (connections, "LATER"): 0,
     (output_catchers, "CAUGHT"): 1,
     (output_catchers, "CAUGHT_RAY"): 2,
 }
@@ -199,6 +201,7 @@ WITHOUT_VARYING_WORLD = {
 }
 ALL_MEDIA_VARY = {varying.none_varies: varying_media.one_varies}
 
+LIGHT_PATHS = {integrator.may_connect_again: light_paths.may_connect_again}
 CATCHERS = {emitters.may_light: catchers.may_light, linking.is_in_light_tree: catchers.is_in_light_tree}
 
 GROUPS = (
@@ -212,6 +215,7 @@ GROUPS = (
     WITHOUT_VARYING_WORLD,
     ALL_MEDIA_VARY,
     CATCHERS,
+    LIGHT_PATHS,
 )
 
 

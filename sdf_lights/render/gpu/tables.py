@@ -15,6 +15,7 @@ from collections.abc import Callable
 import numpy as np
 
 from .layout import Array, Record, layout_of, size_of, words_of
+from .streamed import StreamedTables, reader_source
 from .thread_arrays import ThreadArrays
 from .translate.values import BLOCK, CONSTANT, SECONDARY, Ref, Value, known, safe_name
 
@@ -39,7 +40,7 @@ class Tables:
     that do not fit into the first are in a second one. ``code`` has the kernels by index in tables that hold addresses
     on the CPU. ``changing``: scalars that change along a path. ``written``: tables that kernels write into, as arrays
     of floats in GLSL, with ``{}`` for the index. ``unknown``: tables of whose values a program may know nothing.
-    ``arrays``: where the arrays of a thread are.
+    ``arrays``: where the arrays of a thread are. ``streamed``: tables that are written anew between dispatches.
     """
 
     def __init__(
@@ -54,11 +55,13 @@ class Tables:
         written: dict[str, str] | None = None,
         unknown: frozenset[str] = frozenset(),
         arrays: ThreadArrays | None = None,
+        streamed: StreamedTables | None = None,
     ):
         self._tables, self._scalars, self._settled, self._workspace = tables, scalars, settled, workspace
         self._code, self._changing, self._written = code or {}, changing or {}, written or {}
         self._unknown = unknown
         self.arrays = arrays or ThreadArrays(buffered=False)
+        self.streamed = streamed or StreamedTables({})
         self.used_scalars: dict[str, str] = {}
         self._near: dict[str, int] = {}  # first word of each table that is in the uniform block
         used = 0
@@ -124,6 +127,8 @@ class Tables:
                 lvalue, first = self.arrays.place(name, inner, count)
                 return Value(Ref(Array(inner, count, packed=True), lvalue), first, count=str(count))
             return Value(Ref(Array(inner, count, packed=True), name + "_rows[{}]"), "0", count=str(count))
+        if name in self.streamed:
+            return self.streamed.table(name)
         dtype = self._tables[name].dtype if name in self._tables else np.dtype(dtype)
         if name in self._single:
             return Value(Ref(Array(layout_of(dtype, name), 1), reader=NEAR), str(self._near[name]), count="1")
@@ -250,20 +255,10 @@ class Tables:
             ]
         )
 
-    def second_source(self) -> str:
-        """The second buffer, if there is one, and functions that read tables there."""
-        if not self._second:
-            return ""
-        vector = ", ".join(f"{SECOND}float_at(place + {axis})" for axis in range(3))
-        return "\n".join(
-            [
-                f"layout(std430, binding = {SECOND_BINDING}) readonly buffer Second {{ uint second_words[]; }};",
-                f"uint {SECOND}uint_at(int place) {{ return second_words[place]; }}",
-                f"int {SECOND}int_at(int place) {{ return int(second_words[place]); }}",
-                f"float {SECOND}float_at(int place) {{ return uintBitsToFloat(second_words[place]); }}",
-                f"vec3 {SECOND}vector_at(int place) {{ return vec3({vector}); }}",
-            ]
-        )
+    def buffer_source(self) -> str:
+        """The second buffer and that of streamed tables, if they are there, and functions that read tables there."""
+        second = [reader_source(SECOND, SECOND_BINDING)] if self._second else []
+        return "\n".join([*second, *filter(None, [self.streamed.source()])])
 
     def pack(self, more: dict[str, float]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """All tables in two arrays of words, and the words of the uniform block; ``more`` are scalars other than

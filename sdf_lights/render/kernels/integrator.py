@@ -13,6 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...jit import kernel
+from ...replaced import replaced_on_gpu
 from ...vec import absolute, average, dot, largest, mul, negate, put, put_sum, scale, sub, vec
 from . import lights
 from .camera import camera_ray, filter_offset, view_depth
@@ -166,6 +167,13 @@ def _leave_to_light_paths(block, workspace, path, wi, kind):
     elif block.light_path_follows:
         path.unconnected *= 1.0 - path.connection_weight[0]
         path.connects = NOWHERE
+
+
+@replaced_on_gpu
+@kernel
+def may_connect_again(block, path):
+    """Whether connections may take light from a path at a surface after the one where it split."""
+    return block.light_path_follows
 
 
 @kernel
@@ -431,7 +439,7 @@ def shade_and_scatter(block, workspace, whole):
         sample_direct_light(block, workspace)
         if block.light_paths:
             path.connects_again = 0
-            if block.light_path_follows and not whole and path.bounce < block.max_bounces:
+            if may_connect_again(block, path) and not whole and path.bounce < block.max_bounces:
                 if largest(vec(surface.transparency)) <= 0.0:
                     light_paths.connect_again(block, workspace)
                     sample.met += AGAIN_COST * path.connects_again

@@ -161,5 +161,5 @@ def join(a, b):
 def safe_name(name: str) -> str:
     """A Python name as a GLSL one. No name that begins with it and goes on with an underscore has two of them in
     succession, which OpenGL reserves (GLSL 4.30 specification, section 3.7)."""
-    name = re.sub("__+", "_", name.strip("_"))
+    name = re.sub("__+", "_", name.strip("_")) or "unused"
     return f"py_{name}" if name in _RESERVED or name.startswith("gl_") else name

@@ -59,7 +59,7 @@ NODE = np.dtype(
 TARGET = np.dtype([("position", "f8", 3), ("radius", "f8")], align=True)
 
 PLACE = 1 << 20  # of a pixel that no picture has, whose random numbers light paths have
-MOST_TOPS = 32
+MOST_NODES, MOST_TOPS = 4096, 32
 # Of a material: connections find light that it scatters; all of that; light paths follow what it scatters diffusely,
 # and by all closures. AT_VERTEX instead, in the ``follow`` of a path: they find what the surface scatters, but in sharp
 # lobes.

@@ -122,6 +122,16 @@ def draw(block, workspace, row, x, n, u):
 
 
 @kernel
+def _finer(block, at, y, normal):
+    """The child of a node that a place y with this geometric normal belongs to; −1 if its area tells no density."""
+    node = node_table(block)[at]
+    if node.axis < 0:
+        return -1
+    child = node.child + side_of(node, y, normal)
+    return child if node_table(block)[child].known >= FINEST else -1
+
+
+@kernel
 def density(block, workspace, row, x, n, y, normal):
     """Estimate of the density by area (1/m²) with which ``draw`` and one of the node's vertices give a place y with
     this geometric normal; 0 where they cannot. Those of the node's vertices tell that are near y."""
@@ -146,13 +156,12 @@ def density(block, workspace, row, x, n, y, normal):
     off = sub(y, vec(node.centroid))
     if dot(off, off) > (REACH * node.radius) ** 2:
         return 0.0
-    known = node.known
-    while node.axis >= 0:
-        inside = nodes[node.child + side_of(node, y, normal)]
-        if inside.known < FINEST:
-            break
-        node = inside
-    return probability * node.known / (known * node.area)
+    # No break in the loop: after one, Mesa 22.3 in software reads what other threads have found later.
+    finest, finer = at, _finer(block, at, y, normal)
+    while finer >= 0:
+        finest = finer
+        finer = _finer(block, finest, y, normal)
+    return probability * nodes[finest].known / (node.known * nodes[finest].area)
 
 
 @kernel
