@@ -73,7 +73,7 @@ def pictures(build, lamp_paths: LampPaths, device: Device) -> np.ndarray:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("build", [cove, sunk_lamp, hidden_point_light])
+@pytest.mark.parametrize("build", [sunk_lamp, hidden_point_light])
 def test_they_change_the_noise_alone(build):
     """Means are compared with those of the CPU, the noise with that of the GPU, both without light paths."""
     device_or_skip()

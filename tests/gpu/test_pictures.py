@@ -40,15 +40,21 @@ pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installe
 
 SEEDS, SAMPLES, CONFIDENCE = 6, 8, 0.9999
 FOUND = 2e-3, 2e-2
+# Lamps that differ in how cuts sample them.
+BY_CUTS = ("field_lamps", "varying_lamps", "frame_lamp", "inside_lamp")
 # Scenes that are not compared with the others: some have tests of their own, a rolling shutter and lamps that
-# change are not on the GPU, and software OpenGL ends the long loops of a network.
-MOVING = ("moving", "moving_strands")
-# Lamps that differ in how cuts sample them. Those with colours have the shapes of lamps of data, whose programs take
-# longest to compile: the former are compared by cuts, the latter by MIS.
-BY_CUTS = ("field_lamps", "colored_lamps", "varying_lamps", "frame_lamp", "inside_lamp", "light_control")
+# change are not on the GPU, and software OpenGL ends the long loops of a network. To compile a program takes long, so
+# scenes all of whose parts others have are left out, too.
 APART = (
-    *("network_lamp", "torus_room", "subsurface", "fog_lamp", "fur", "rolling", "changing_lamps", "colored_lamps"),
-    *MOVING,
+    *("network_lamp", "torus_room", "subsurface", "fog_lamp", "fur", "rolling", "changing_lamps", "moving"),
+    *(
+        "colored_lamps",
+        "moving_strands",
+        "only_reflective_caustics",
+        "only_refractive_caustics",
+        "haze",
+        "linked_media",
+    ),
 )
 SCENES = scenes.SCENES | media.MEDIA_SCENES | strands.STRAND_SCENES
 
@@ -265,11 +271,10 @@ def test_lobes_in_fog():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", MOVING)
-def test_motion_blur(name):
+def test_motion_blur():
     """On the GPU, all pixels of a sample have the same time, so seeds are compared, not pixels."""
     passes = ("Combined", "Normal", "Emission")
-    cpu, gpu = both(name, LampSampling.MIS, passes=passes, seeds=8)
+    cpu, gpu = both("moving", LampSampling.MIS, passes=passes, seeds=8)
     failures = differences(cpu, gpu, by_seed)
     assert not failures, "; ".join(failures)
 
@@ -339,11 +344,6 @@ def test_hair_and_points():
 @pytest.mark.parametrize("kind", tuple(Primitive)[1:], ids=lambda kind: kind.name.lower())
 def test_rays_meet_each_kind_of_hair_where_embree_does(kind):
     compare_samples(lambda: strands.fur(24, 18, (kind,)), ("Position",), 0.001)
-
-
-@pytest.mark.slow
-def test_lamp_in_fog():
-    compare("fog_lamp")
 
 
 @pytest.mark.slow

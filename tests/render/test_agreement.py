@@ -45,11 +45,13 @@ COSTLY = ("rolling", "changing_lamps", "network_lamp")
 CLOSELY = ("torus_room", "blender_lights", "principled_without_caustics")
 
 
-def pictures(renderer, make, samples: int, passes: tuple[str, ...] = PASSES) -> dict[str, np.ndarray]:
+def pictures(
+    renderer, make, samples: int, passes: tuple[str, ...] = PASSES, size: tuple[int, int] = (32, 24)
+) -> dict[str, np.ndarray]:
     """Every pass of the scenes ``make(width, height)``: (seeds, height, width, channels)."""
     found = {item: [] for item in passes}
     for seed in range(SEEDS):
-        scene = make(32, 24)
+        scene = make(*size)
         scene.settings.seed, scene.settings.threads = 100 + seed, 1
         film = Film(scene, passes)
         back_end = renderer(scene, film, lambda: False, lambda text: None)
@@ -65,8 +67,9 @@ def pictures(renderer, make, samples: int, passes: tuple[str, ...] = PASSES) -> 
 def compare(name: str, samples: int, passes: tuple[str, ...] = PASSES) -> None:
     from sdf_lights.render.cpu.renderer import CpuRenderer
 
+    size = (16, 12) if name in COSTLY else (32, 24)
     cpu, reference = (
-        pictures(renderer, SCENES[name], samples, passes) for renderer in (CpuRenderer, ReferenceRenderer)
+        pictures(renderer, SCENES[name], samples, passes, size) for renderer in (CpuRenderer, ReferenceRenderer)
     )
     agree(cpu, reference, passes)
 

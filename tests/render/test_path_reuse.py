@@ -173,8 +173,10 @@ def assert_only_noise_differs(least: float, seeds: int = 24, lamp_paths=LampPath
         (facing, dict()),
         pytest.param(things, dict(change=by_area), marks=pytest.mark.slow),
         (things, dict(filter_glossy=1.0, max_bounces=12, diffuse_bounces=2, glossy_bounces=1)),
-        pytest.param(things, dict(samples=32, indirect_paths=0, guided_samples=True), marks=pytest.mark.slow),
-        pytest.param(mirrors, dict(filter_glossy=1.0, max_bounces=4, seeds=48), marks=pytest.mark.slow),
+        pytest.param(
+            things, dict(samples=32, indirect_paths=0, guided_samples=True, size=(32, 24)), marks=pytest.mark.slow
+        ),
+        pytest.param(mirrors, dict(filter_glossy=1.0, max_bounces=4, seeds=32), marks=pytest.mark.slow),
     ],
     ids=["things", "facing", "area", "limits", "allocated", "mirrors"],
 )
@@ -192,7 +194,9 @@ def test_path_reuse_changes_the_noise_alone(build, changes):
             dict(filter_glossy=1.0, max_bounces=12, diffuse_bounces=2, glossy_bounces=1),
             marks=pytest.mark.slow,
         ),
-        pytest.param(things, dict(samples=32, indirect_paths=0, guided_samples=True), marks=pytest.mark.slow),
+        pytest.param(
+            things, dict(samples=32, indirect_paths=0, guided_samples=True, size=(32, 24)), marks=pytest.mark.slow
+        ),
         pytest.param(leaves, dict(transparent_bounces=3), marks=pytest.mark.slow),
         pytest.param(subsurface, dict(), marks=pytest.mark.slow),
     ],

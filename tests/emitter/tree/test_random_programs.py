@@ -26,9 +26,8 @@ def test_certified_programs_lose_nothing():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("part", range(3))
-def test_certified_programs_lose_nothing_of_three_hundred(part):
-    lamps, certified, wrong = judge(range(1000 + 100 * part, 1100 + 100 * part))
+def test_certified_programs_lose_nothing_of_a_hundred():
+    lamps, certified, wrong = judge(range(1000, 1100))
     assert not wrong, [random_programs.program(seed) for seed in wrong]
     assert lamps >= 60 and certified >= 30
 

@@ -116,11 +116,13 @@ import dataclasses
 import numpy as np
 from support.scenes import cove
 from sdf_lights.render import session
-from sdf_lights.render.settings import LampPaths
+from sdf_lights.render.settings import LampPaths, PathReuse
 from sdf_lights.sdf.shapes import Box, Difference, Sphere
 scene = cove(16, 12)
 scene.lamps[0] = dataclasses.replace(scene.lamps[0], shape=Difference(Box((0.3, 0.3, 0.3)), Sphere(0.36)))
-scene.settings = dataclasses.replace(scene.settings, samples=2, threads=2, lamp_paths=LampPaths.ALWAYS)
+scene.settings = dataclasses.replace(
+    scene.settings, samples=2, threads=2, lamp_paths=LampPaths.ALWAYS, path_reuse=PathReuse.NEVER
+)
 film = session.render(scene, ("Depth",))
 print(film.read("Combined").tobytes().hex(), scene.warnings, "numba" in sys.modules, jit.compiled_kernels())
 """
