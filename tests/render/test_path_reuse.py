@@ -12,7 +12,7 @@ import pytest
 from sdf_lights import jit
 from sdf_lights.graph.formula import constant, maximum, minimum
 from sdf_lights.render import session
-from sdf_lights.render.cpu import path_reuse
+from sdf_lights.render.cpu import light_paths, path_reuse
 from sdf_lights.render.cpu.renderer import CpuRenderer
 from sdf_lights.render.film import Film
 from sdf_lights.render.kernels.path_reuse.records import ARRIVAL
@@ -366,10 +366,13 @@ def test_materials_that_trace_rays_do_not_share(lamp_paths):
     assert np.isfinite(picture(ALWAYS, build=probed, samples=2, lamp_paths=lamp_paths)).all()
 
 
-def test_a_clamp_takes_as_much():
+def test_a_clamp_takes_as_much(monkeypatch):
     """Light that is shared is clamped as if one path had brought it. All bounces behind a surface are clamped together,
-    so a little more is lost."""
+    so a little more is lost: with a strong clamp, nothing is shared."""
     fixed = dict(samples=32, indirect_paths=2, guided_samples=False)
+    without, always = (picture(each, clamp_indirect=0.2) for each in (WITHOUT, ALWAYS))
+    assert np.array_equal(without, always)
+    monkeypatch.setattr(light_paths, "LEAST_CLAMP", 0.0)
     plain = picture(WITHOUT, **fixed).mean()
     lost = [1.0 - picture(each, clamp_indirect=0.2, **fixed).mean() / plain for each in (WITHOUT, ALWAYS)]
     assert 0.05 < lost[0] < lost[1] < 1.2 * lost[0]
