@@ -20,7 +20,7 @@ from support.scenes import media, strands
 
 pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installed")
 
-SEEDS, CONFIDENCE = 8, 0.9999
+SEEDS, CONFIDENCE = 6, 0.9999
 SCENES = scenes.SCENES | media.MEDIA_SCENES | strands.STRAND_SCENES
 PASSES = ("Combined", "Depth", "Position", "Normal", "Diffuse Color", "Denoising Albedo", "Emission", "SDF Lamps")
 # The first surface of a path is left to chance in media: where both find it by other chances, its data differ.

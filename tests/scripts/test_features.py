@@ -9,7 +9,7 @@ import pytest
 
 pytest.importorskip("bpy")
 
-from benchmarks import feature_scenes, features
+from benchmarks import features
 
 
 def noisy(seed: int, brightness: float = 1.0) -> np.ndarray:
@@ -63,13 +63,17 @@ def test_unknown_names_are_told():
         features.run(argparse.Namespace(features=["sunn"]))
 
 
-# Cycles prepares for seconds before each of their many pictures; test_varying_volumes and test_volume_objects have
-# them.
-APART = ("ground fog", "fire", "cloud of voxels", "smoke of noise")
+# One of each kind: `bench features` has them all, and so have tests of tests/blender.
+FEATURES = (
+    *("depth of field", "mirror ball", "right eye", "clipping", "render region", "hair as ribbons", "points", "alpha"),
+    *("adaptive subdivision", "displacement and bump", "shadow catcher", "light linking", "lights without shadow"),
+    *("zooming camera", "moving instances", "rolling shutter", "passes", "cryptomatte", "light groups mixed anew"),
+    *("film", "without sky", "excluded and indirect only", "haze with a spot", "absorption", "phase functions"),
+)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [name for name in feature_scenes.FEATURES if name not in APART])
+@pytest.mark.parametrize("name", FEATURES)
 def test_means_are_those_of_cycles(name):
     rows = features.measure(name, argparse.Namespace(quick=True, device="CPU"))
     assert rows

@@ -183,7 +183,7 @@ def test_cells_join_and_no_interval_is_lost(levels, placement):
 @pytest.mark.parametrize("placement", ["as it is", "sheared", "far"])
 @pytest.mark.parametrize("levels", range(1, 7))
 def test_cells_join_and_no_interval_is_lost_in_many_rays(levels, placement):
-    check_every_interval(levels, placement, 400)
+    check_every_interval(levels, placement, 200)
 
 
 def test_an_edge_that_is_cut_off_by_a_hair_exists():
