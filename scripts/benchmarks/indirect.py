@@ -44,6 +44,7 @@ SAMPLES, QUICK_SAMPLES = 32, 16
 LIGHTS_SAMPLES = 64  # without SDF lamps, shorter renders do not try light paths
 INTERIORS_SIZE = 128  # smaller renders would mostly measure what comes before the first sample
 SEEDS, QUICK_SEEDS = 8, 3
+BRANCHES = 4  # of each path, where all pixels have equally many
 TRUTH = 16  # times as many samples, of as many seeds, tell the errors of denoised pictures
 DOCUMENT = host.REPOSITORY / "docs" / "sampling.md"
 BEGIN, END = "<!-- indirect -->", "<!-- end of indirect -->"
@@ -67,12 +68,21 @@ def arguments(parser) -> None:
     parser.add_argument(
         "--rooms", type=some_of(SCENES), metavar="SCENES", help=f"with commas between: {', '.join(SCENES)}"
     )
+    parser.add_argument("--even", action="store_true", help=f"all pixels have as many samples, and {BRANCHES} branches")
     parser.add_argument("--denoised", action="store_true", help="compare denoised pictures of rooms with Cycles', too")
     parser.add_argument("--no-rivals", dest="rivals", action="store_false", help="compare only with and without both")
 
 
 def _render(
-    name: str, scene, variant: str, samples: int, seed: int, device: str, reuse: str = "", denoise: bool = False
+    name: str,
+    scene,
+    variant: str,
+    samples: int,
+    seed: int,
+    device: str,
+    reuse: str = "",
+    denoise: bool = False,
+    even: bool = False,
 ) -> pictures.Picture:
     if name in ORDINARY:
         beside_cycles.settings(scene, beside_cycles.GUIDED, samples, seed, device)
@@ -82,6 +92,8 @@ def _render(
         scene.sdf_lights.seed = seed
     scene.sdf_lights.lamp_paths, scene.sdf_lights.path_reuse = variant, reuse or variant
     scene.sdf_lights.denoise = denoise
+    if even:
+        scene.sdf_lights.indirect_paths, scene.sdf_lights.guided_samples = BRANCHES, False
     return pictures.render()
 
 
@@ -98,7 +110,7 @@ def measure(name: str, options) -> dict:
     made = in_turns(
         (WITHOUT, AUTOMATIC),
         range(seeds),
-        lambda variant, seed: _render(name, scene, variant, samples, seed, options.device),
+        lambda variant, seed: _render(name, scene, variant, samples, seed, options.device, even=options.even),
     )
     row = dict(indirect_scene=name, samples=samples) | row_of(
         {variant: stack_of(pile) for variant, pile in made.items()},
@@ -107,7 +119,7 @@ def measure(name: str, options) -> dict:
     if row["used"]:
         row["chosen"] = "both"
         for only, variant, reuse in (("light paths", AUTOMATIC, WITHOUT), ("path reuse", WITHOUT, AUTOMATIC)):
-            alone = _render(name, scene, variant, samples, 0, options.device, reuse=reuse)
+            alone = _render(name, scene, variant, samples, 0, options.device, reuse=reuse, even=options.even)
             if np.array_equal(alone.pixels, made[AUTOMATIC][0].pixels):
                 row["chosen"] = only
                 break
@@ -150,6 +162,7 @@ def row_of(stacks: dict[str, np.ndarray], work: dict[str, float]) -> dict:
     ``gain`` and ``gain_of_most``: see ``allocation.gains_of``. ``time``: with over without. ``percentile``, ``worst``:
     the 99.9th percentile and the greatest of the errors of pixels, with over without. ``flicker`` and
     ``flicker_of_blocks``: see ``flicker_of``, with over without; blocks are ``BLOCK`` pixels wide.
+    ``change_of_blocks``: that of blocks itself, with both.
     ``difference``: of the means, as a part of the picture; ``deviation``: the same in standard errors. ``used``:
     whether the choice has changed anything.
     """
@@ -163,7 +176,7 @@ def row_of(stacks: dict[str, np.ndarray], work: dict[str, float]) -> dict:
         for variant, stack in stacks.items()
     }
     flicker, of_blocks = (
-        flicker_of(stacks[AUTOMATIC], size) / max(flicker_of(stacks[WITHOUT], size), 1e-300) for size in (1, BLOCK)
+        {variant: flicker_of(stack, size) for variant, stack in stacks.items()} for size in (1, BLOCK)
     )
     whole = {variant: stack.mean(axis=(1, 2, 3)) for variant, stack in stacks.items()}
     error = np.sqrt(sum(each.var(ddof=1) / len(each) for each in whole.values()))
@@ -176,8 +189,9 @@ def row_of(stacks: dict[str, np.ndarray], work: dict[str, float]) -> dict:
         time=1.0 / gains["time"],
         percentile=float(percentile),
         worst=float(worst),
-        flicker=flicker,
-        flicker_of_blocks=of_blocks,
+        flicker=flicker[AUTOMATIC] / max(flicker[WITHOUT], 1e-300),
+        flicker_of_blocks=of_blocks[AUTOMATIC] / max(of_blocks[WITHOUT], 1e-300),
+        change_of_blocks=of_blocks[AUTOMATIC],
         difference=float(difference / whole[WITHOUT].mean()),
         deviation=float(difference / error) if used else 0.0,
         used=used,
@@ -234,7 +248,10 @@ def document(rows: list[dict]) -> None:
     """Write these rows into the table of docs/sampling.md; the rows of other scenes stay."""
     before, _, rest = DOCUMENT.read_text(encoding="utf-8").partition(BEGIN)
     table, _, after = rest.partition(END)
-    lines = {line.split(" | ")[0].removeprefix("| "): line for line in table.strip().splitlines()[2:]}
+    lines = {}
+    for line in table.strip().splitlines()[2:]:  # a row that is older may have fewer columns
+        missing = len(COLUMNS) + 3 - line.count("|")
+        lines[line.split(" | ")[0].removeprefix("| ")] = line + "  |" * missing
     for row in rows:
         cells = (f"{row[key]:.{0 if row[key] >= 10.0 else 2}f}" if key in row else "" for key in COLUMNS)
         chosen = row.get("chosen", "neither")

@@ -99,7 +99,7 @@ def test_a_room_is_measured():
     parser = argparse.ArgumentParser()
     indirect.arguments(parser)
     options = parser.parse_args(["--rooms", "cove"])
-    vars(options).update(quick=True, repeats=2, device="CPU", resume=None, document_indirect=False)
+    vars(options).update(quick=True, repeats=2, device="CPU", resume=None, document_indirect=False, even=False)
     summary, (row,) = indirect.run(options)
     assert row["used"] and row["gain"] > 2.0
     assert summary["rooms_gain_min"] == row["gain"]
