@@ -41,7 +41,7 @@ pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installe
 SEEDS, SAMPLES, CONFIDENCE = 6, 8, 0.9999
 FOUND = 2e-3, 2e-2
 # Lamps that differ in how cuts sample them.
-BY_CUTS = ("field_lamps", "varying_lamps", "frame_lamp", "inside_lamp")
+BY_CUTS = ("varying_lamps", "frame_lamp")
 # Scenes that are not compared with the others: some have tests of their own, a rolling shutter and lamps that
 # change are not on the GPU, and software OpenGL ends the long loops of a network. To compile a program takes long, so
 # scenes all of whose parts others have are left out, too.

@@ -98,7 +98,7 @@ def test_preetham(tmp_path):
 def test_scattering_with_all_settings(tmp_path):
     cases = []
     for model in _models():
-        for degrees, altitude in ((-20, 100.0), (-1, 20_000.0), (0, 100.0), (5, 100.0), (5, 20_000.0), (90, 20_000.0)):
+        for degrees, altitude in ((-20, 100.0), (-1, 20_000.0), (5, 100.0), (90, 20_000.0)):
             cases.append(_whole(model, sun_elevation=math.radians(degrees), altitude=altitude))
             cases.append(_disc(model, sun_elevation=math.radians(degrees), altitude=altitude, sun_size=0.05))
         # Air of no density, or much.
