@@ -14,7 +14,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
-from sdf_lights import jit, kernel_cache
+from sdf_lights import jit, kernel_cache, kernel_entries
 from sdf_lights.kernel_cache import MAGIC, Files
 from sdf_lights.render import session
 from support.scenes import cove
@@ -296,3 +296,23 @@ def test_a_folder_with_a_limit_loses_what_was_used_least_recently(tmp_path):
     files.load(0)  # is used now
     kernel_cache.trim(tmp_path, 2500)
     assert [files.path(number).exists() for number in range(4)] == [True, False, False, True]
+
+
+def test_versions_of_python_share_what_c_calls(tmp_path, monkeypatch):
+    """Another one finds the machine code for C, and compiles what Python calls by itself."""
+    monkeypatch.setattr(kernel_cache, "writable_folder", lambda: tmp_path)
+    source, stored, compiled = pathlib.Path(kernel_entries.__file__), kernel_entries.Stored(b"", "f", []), []
+
+    def use(kinds) -> None:
+        def compile_() -> tuple[kernel_entries.Stored, bool]:
+            compiled.append(kinds)
+            return stored, True
+
+        kernel_entries.Entry(source, ("f",), kinds).get(compile_, lambda found: found)
+
+    for version in ((3, 11), "1"), ((3, 13), "2"):
+        monkeypatch.setattr(kernel_entries, "python_interface", lambda version=version: version)
+        for _ in range(2):
+            use(kernel_entries.FOR_C)
+            use(("int64",))
+    assert compiled == [kernel_entries.FOR_C, ("int64",), ("int64",)]
