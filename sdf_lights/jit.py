@@ -195,10 +195,7 @@ def _reader(kind):
 # Kernels that call machine code import the first ones. Without Numba, such kernels cannot be called.
 call_address3, call_address4, call_field, call_surface_code, call_numbers, address_of_record = (
     _Intrinsic(name)
-    for name in (
-        *("call_address3", "call_address4", "call_field", "call_surface_code"),
-        *("call_numbers", "address_of_record"),
-    )
+    for name in "call_address3 call_address4 call_field call_surface_code call_numbers address_of_record".split()
 )
 call_part = replaced_on_gpu(_Intrinsic("call_part"))
 float_of_bits = _Intrinsic("float_of_bits", plain=lambda bits: float(np.int64(bits).view(np.float64)))

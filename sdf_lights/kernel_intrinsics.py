@@ -50,7 +50,7 @@ def call_address3(typingctx, address, a, b, c):
 
 @intrinsic
 def call_address4(typingctx, address, a, b, c, d):
-    """Likewise, with four arguments."""
+    """As ``call_address3``, with four arguments."""
     return _caller([cgutils.voidptr_t] * 4)(typingctx)
 
 

@@ -175,9 +175,7 @@ def row_of(stacks: dict[str, np.ndarray], work: dict[str, float]) -> dict:
         variant: np.mean([errors.pixel_errors(picture, mean) for picture in stack], axis=0)
         for variant, stack in stacks.items()
     }
-    flicker, of_blocks = (
-        {variant: flicker_of(stack, size) for variant, stack in stacks.items()} for size in (1, BLOCK)
-    )
+    flicker, of_blocks = ([flicker_of(stacks[each], size) for each in (AUTOMATIC, WITHOUT)] for size in (1, BLOCK))
     whole = {variant: stack.mean(axis=(1, 2, 3)) for variant, stack in stacks.items()}
     error = np.sqrt(sum(each.var(ddof=1) / len(each) for each in whole.values()))
     percentile, worst = ends[AUTOMATIC] / np.maximum(ends[WITHOUT], 1e-300)
@@ -189,9 +187,9 @@ def row_of(stacks: dict[str, np.ndarray], work: dict[str, float]) -> dict:
         time=1.0 / gains["time"],
         percentile=float(percentile),
         worst=float(worst),
-        flicker=flicker[AUTOMATIC] / max(flicker[WITHOUT], 1e-300),
-        flicker_of_blocks=of_blocks[AUTOMATIC] / max(of_blocks[WITHOUT], 1e-300),
-        change_of_blocks=of_blocks[AUTOMATIC],
+        flicker=flicker[0] / max(flicker[1], 1e-300),
+        flicker_of_blocks=of_blocks[0] / max(of_blocks[1], 1e-300),
+        change_of_blocks=of_blocks[0],
         difference=float(difference / whole[WITHOUT].mean()),
         deviation=float(difference / error) if used else 0.0,
         used=used,

@@ -167,12 +167,8 @@ def look_at_arrival(block, workspace, first, step):
     What blocks its view is what a ray of the arrival's kind meets, be it transparent or not: of behind that, no branch
     brings anything to share.
     """
-    arrival, points, packet, lanes = (
-        arrival_table(workspace)[0],
-        point_table(workspace),
-        packet_table(workspace)[0],
-        0,
-    )
+    arrival, points = arrival_table(workspace)[0], point_table(workspace)
+    packet, lanes = packet_table(workspace)[0], 0
     start_anew(block, workspace)
     for number in range(arrival.points):
         points[number].visible = 0
