@@ -77,9 +77,10 @@ from ..kernels.path_reuse.records import (
     point_table,
 )
 from ..kernels.path_reuse.vertices import part_of
+from ..kernels.ray_origins import least_of, origin_of
 from ..kernels.rays import ray_table
 from ..kernels.samplers import get_1d, pixel_seed
-from ..kernels.shading.records import TRANSMISSION, surface_table
+from ..kernels.shading.records import LAMBERT, TRANSMISSION, closure_table, surface_table
 from ..kernels.workspace import cut_table, point_workspaces, secondary_table
 from ..scene import Scene
 from ..settings import PathReuse
@@ -144,7 +145,15 @@ def step_for(arrivals: np.ndarray) -> int:
 def keep_point(workspace, number, pixel, index, branches):
     """Keep the surface of the workspace, where its path divides, as a point of the group."""
     path, point = path_table(workspace)[0], point_table(workspace)[number]
+    surface, closure = surface_table(workspace)[0], closure_table(workspace)[0]
     copy_surface(workspace, point_workspaces(workspace)[number])
+    put(point.position, vec(surface.position))
+    put(point.ng, vec(surface.ng))
+    put(point.start, origin_of(surface, vec(surface.ng)))
+    point.number, point.least = surface.number, least_of(surface)
+    point.lambert = int(surface.closure_count == 1 and closure.kind == LAMBERT and closure.bumped == 0)
+    put(point.lambert_normal, vec(closure.normal))
+    put(point.lambert_weight, vec(closure.weight))
     put(point.throughput, vec(path.throughput))
     point.least_pdf = path.least_pdf
     point.branches, point.pixel, point.index = branches, pixel, index

@@ -105,13 +105,24 @@ def offset_ray_origin(position, ng, direction):
 
 
 @kernel
-def spawn_ray(workspace, surface, direction):
-    """The origin (world space) of a ray from a surface along ``direction``: see ``exact_origin``. The triangle, curve
-    or sphere of the surface becomes the self primitive of the next rays."""
-    ray, position = ray_table(workspace)[0], vec(surface.position)
-    ray.id = surface.number
-    ray.least = LEAST * step_size(position) if surface.exact_origin == ALONE else 0.0
+def least_of(surface):
+    """Distance from which a ray from a surface meets anything."""
+    return LEAST * step_size(vec(surface.position)) if surface.exact_origin == ALONE else 0.0
+
+
+@kernel
+def origin_of(surface, direction):
+    """The origin (world space) of a ray from a surface along ``direction``: see ``exact_origin``."""
+    position = vec(surface.position)
     return position if surface.exact_origin else offset_ray_origin(position, vec(surface.ng), direction)
+
+
+@kernel
+def spawn_ray(workspace, surface, direction):
+    """``origin_of``. The triangle, curve or sphere of the surface becomes the self primitive of the next rays."""
+    ray = ray_table(workspace)[0]
+    ray.id, ray.least = surface.number, least_of(surface)
+    return origin_of(surface, direction)
 
 
 @kernel

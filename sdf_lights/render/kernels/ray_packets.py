@@ -37,15 +37,15 @@ packet_table = table("ray_packet", PACKET)
 
 
 @kernel
-def put_ray(workspace, lane, owner, o, d, t_max, mask):
-    """Put the shadow ray that ``ray_origins.spawn_ray`` has begun in a lane of the packet: from o along d, up to
-    ``t_max``. ``owner`` is a number that the caller finds again there."""
+def put_ray(workspace, lane, owner, o, d, t_max, mask, number, least):
+    """Put a shadow ray in a lane of the packet: from o along d, up to ``t_max``. ``number`` is that of its self
+    primitive, and it meets nothing before ``least``. ``owner`` is a number that the caller finds again there."""
     packet, ray = packet_table(workspace)[0], ray_table(workspace)[0]
     for axis in range(3):
         packet.origin[axis, lane] = o[axis]
         packet.direction[axis, lane] = d[axis]
-    packet.t_near[lane], packet.t_far[lane] = ray.least, t_max
-    packet.time[lane], packet.mask[lane], packet.id[lane], packet.flags[lane] = ray.time, mask, ray.id, ray.flags
+    packet.t_near[lane], packet.t_far[lane] = least, t_max
+    packet.time[lane], packet.mask[lane], packet.id[lane], packet.flags[lane] = ray.time, mask, number, ray.flags
     packet.owner[lane] = owner
 
 

@@ -14,13 +14,14 @@ heuristic over all points that see y (Veach 1997, equation 9.8). That is at most
 
 from __future__ import annotations
 
+import math
+
 from ....jit import kernel
 from ....vec import ZERO, dot, largest, length, madd, negate, put, scale, sub, vec
 from ..geometry import TRIANGLES, instance_table, shading_material_table, surface_at
 from ..light_paths.connections import left_by_lobes
 from ..light_paths.records import CONNECTS, material_table
 from ..path import MIXED, REUSED, UNSHARED, WHITE, path_table, sample_table
-from ..ray_origins import spawn_ray
 from ..ray_packets import LANES, find_occluded, is_occluded, packet_table, put_ray
 from ..rays import start_anew
 from ..shading import evaluate, has_lobes, shade, transmits
@@ -134,24 +135,26 @@ def _begin_look(block, workspace, number, lane):
     """Let a point of the group note what it would scatter of the light of the arrival, and put its ray there in a lane
     of the packet: False if it scatters nothing."""
     arrival, point = arrival_table(workspace)[0], point_table(workspace)[number]
-    own = point_workspaces(workspace)[number]
-    surface = surface_table(own)[0]
-    x = vec(surface.position)
+    x = vec(point.position)
     way = sub(vec(arrival.position), x)
     distance = length(way)
     if distance <= 0.0:
         return False
     wi = scale(way, 1.0 / distance)
     cosine = -dot(vec(arrival.normal), wi)
-    if cosine <= 0.0 or dot(vec(surface.ng), wi) <= 0.0:
+    if cosine <= 0.0 or dot(vec(point.ng), wi) <= 0.0:
         return False
-    value, pdf, glossy_pdf = evaluate(block, own, wi, SCATTERED)
+    if point.lambert:
+        pdf, glossy_pdf = max(dot(vec(point.lambert_normal), wi), 0.0) / math.pi, 0.0
+        value = scale(vec(point.lambert_weight), pdf)
+    else:
+        value, pdf, glossy_pdf = evaluate(block, point_workspaces(workspace)[number], wi, SCATTERED)
     of_kind = pdf_of_kinds(arrival.kind, pdf, glossy_pdf)
     if not of_kind > 0.0:
         return False
-    start = spawn_ray(workspace, surface, wi)
+    start = vec(point.start)
     direction, t_max = shadow_ray(x, start, wi, distance)
-    put_ray(workspace, lane, number, start, direction, t_max, arrival.kind)
+    put_ray(workspace, lane, number, start, direction, t_max, arrival.kind, point.number, point.least)
     geometry = cosine / (distance * distance)
     put(point.direction, wi)
     put(point.value, scale(value, of_kind / pdf * geometry))
@@ -201,8 +204,7 @@ def shade_arrival(block, workspace, number):
     """Shade the arrival as the point sees it, in the second workspace."""
     arrival, point = arrival_table(workspace)[0], point_table(workspace)[number]
     secondary = secondary_table(workspace)[0]
-    x = vec(surface_table(point_workspaces(workspace)[number])[0].position)
-    footprint = length(sub(vec(arrival.position), x)) * block.camera_pixel_angle + block.camera_pixel_width
+    footprint = length(sub(vec(arrival.position), vec(point.position))) * block.camera_pixel_angle + block.camera_pixel_width
     surface_at(
         block,
         surface_table(secondary)[0],

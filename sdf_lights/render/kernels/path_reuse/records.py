@@ -52,7 +52,10 @@ ARRIVAL = np.dtype(
     ],
     align=True,
 )
-# A surface where a path of the group divides: its throughput (RGB), its number of branches, what the present arrival
+# A surface where a path of the group divides. All points look at each arrival, so they keep together what that takes:
+# ``position`` and geometric normal, the ``start`` of rays on the side of that, the ``number`` of the triangle, and
+# the distance from which a ray meets anything. ``lambert`` is 1 if all that it scatters is a Lambertian closure with
+# this normal and weight (RGB). Its throughput (RGB), its number of branches, what the present arrival
 # has ``brought``, and the sum of that over all arrivals, and of its square. From ``visible`` on: of the present
 # arrival. ``value`` (RGB) is f |cos| G of the point. ``pdf`` and ``area_pdf`` are densities of the arrival by solid
 # angle, and by area for its kind of ray. ``part`` is that of its branches in the density of the arrival. ``by_light``
@@ -60,6 +63,14 @@ ARRIVAL = np.dtype(
 # goes on.
 POINT = np.dtype(
     [
+        ("position", "f8", 3),
+        ("ng", "f8", 3),
+        ("start", "f8", 3),
+        ("lambert", "i8"),
+        ("lambert_normal", "f8", 3),
+        ("lambert_weight", "f8", 3),
+        ("number", "u4"),
+        ("least", "f4"),
         ("throughput", "f8", 3),
         ("least_pdf", "f8"),
         ("branches", "i8"),
