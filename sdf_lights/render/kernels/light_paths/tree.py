@@ -132,13 +132,32 @@ def _finer(block, at, y, normal):
 
 
 @kernel
+def find(block, y, normal):
+    """Of a place y with this geometric normal: its top node, and its smallest node whose area tells a density."""
+    nodes, top = node_table(block), 0
+    while nodes[top].top < 0:
+        top = nodes[top].child + side_of(nodes[top], y, normal)
+    # No break in the loop: after one, Mesa 22.3 in software reads what other threads have found later.
+    finest, finer = top, _finer(block, top, y, normal)
+    while finer >= 0:
+        finest = finer
+        finer = _finer(block, finest, y, normal)
+    return top, finest
+
+
+@kernel
 def density(block, workspace, row, x, n, y, normal):
+    """``density_at`` a place y with this geometric normal."""
+    top, finest = find(block, y, normal)
+    return density_at(block, workspace, row, x, n, y, normal, top, finest)
+
+
+@kernel
+def density_at(block, workspace, row, x, n, y, normal, top, finest):
     """Estimate of the density by area (1/m²) with which ``draw`` and one of the node's vertices give a place y with
-    this geometric normal; 0 where they cannot. Those of the node's vertices tell that are near y."""
-    choice, nodes = choice_table(workspace)[row], node_table(block)
-    at = 0
-    while nodes[at].top < 0:
-        at = nodes[at].child + side_of(nodes[at], y, normal)
+    this geometric normal, which ``find`` has found; 0 where they cannot. Those of the node's vertices tell that are
+    near y."""
+    choice, nodes, at = choice_table(workspace)[row], node_table(block), top
     if not choice.total > 0.0:
         return 0.0
     probability = choice.weight[nodes[at].top] / choice.total
@@ -156,11 +175,7 @@ def density(block, workspace, row, x, n, y, normal):
     off = sub(y, vec(node.centroid))
     if dot(off, off) > (REACH * node.radius) ** 2:
         return 0.0
-    # No break in the loop: after one, Mesa 22.3 in software reads what other threads have found later.
-    finest, finer = at, _finer(block, at, y, normal)
-    while finer >= 0:
-        finest = finer
-        finer = _finer(block, finest, y, normal)
+    finest = max(at, finest)  # children come after their parents
     return probability * nodes[finest].known / (node.known * nodes[finest].area)
 
 

@@ -50,10 +50,11 @@ def representative(workspace, number):
 
 
 @kernel
-def drawn_density(block, workspace, number, y, normal):
-    """p_r(y) of a representative."""
+def drawn_density(block, workspace, number, y, normal, place):
+    """p_r(y) of a representative. ``place``: of y, by ``tree.find``."""
     surface = representative(workspace, number)
-    return tree.density(block, workspace, FIRST_OF_GROUP + number, vec(surface.position), vec(surface.n), y, normal)
+    x, n, (top, finest) = vec(surface.position), vec(surface.n), place
+    return tree.density_at(block, workspace, FIRST_OF_GROUP + number, x, n, y, normal, top, finest)
 
 
 @kernel
@@ -67,8 +68,10 @@ def vertices_each(workspace):
 def density_of_vertices(block, workspace, _):
     """α of the arrival."""
     arrival, total = arrival_table(workspace)[0], 0.0
+    y, normal = vec(arrival.position), vec(arrival.normal)
+    place = tree.find(block, y, normal)
     for number in range(REPRESENTATIVES):
-        total += drawn_density(block, workspace, number, vec(arrival.position), vec(arrival.normal))
+        total += drawn_density(block, workspace, number, y, normal, place)
     return total * vertices_each(workspace)
 
 
@@ -111,9 +114,9 @@ def _show_vertex(block, workspace, number, each, turn, vertex, factor):
     if block.transparent_shadows and start.transparent + vertex.transparent > block.transparent_bounces:
         return
     y, normal, wi = vec(vertex.position), vec(vertex.normal), vec(vertex.wi)
-    alpha = own = 0.0
+    alpha, own, place = 0.0, 0.0, tree.find(block, y, normal)
     for other in range(REPRESENTATIVES):
-        density = each * drawn_density(block, workspace, other, y, normal)
+        density = each * drawn_density(block, workspace, other, y, normal, place)
         alpha += density
         if other == number:
             own = density
