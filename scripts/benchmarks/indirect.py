@@ -160,7 +160,8 @@ def row_of(stacks: dict[str, np.ndarray], work: dict[str, float]) -> dict:
     """Figures of pictures (seeds, height, width, channels) and seconds of both variants.
 
     ``gain`` and ``gain_of_most``: see ``allocation.gains_of``. ``time``: with over without. ``percentile``, ``worst``:
-    the 99.9th percentile and the greatest of the errors of pixels, with over without. ``flicker`` and
+    the 99.9th percentile and the greatest of the errors of pixels, with over without, and ``…_error``, the standard
+    errors of these ratios of means over the seeds. ``flicker`` and
     ``flicker_of_blocks``: see ``flicker_of``, with over without; blocks are ``BLOCK`` pixels wide.
     ``change_of_blocks``: that of blocks itself, with both.
     ``difference``: of the means, as a part of the picture; ``deviation``: the same in standard errors. ``used``:
@@ -172,13 +173,13 @@ def row_of(stacks: dict[str, np.ndarray], work: dict[str, float]) -> dict:
     )["without"]
     mean = np.mean([stack.mean(axis=0) for stack in stacks.values()], axis=0)
     ends = {
-        variant: np.mean([errors.pixel_errors(picture, mean) for picture in stack], axis=0)
+        variant: np.array([errors.pixel_errors(picture, mean) for picture in stack])
         for variant, stack in stacks.items()
     }
     flicker, of_blocks = ([flicker_of(stacks[each], size) for each in (AUTOMATIC, WITHOUT)] for size in (1, BLOCK))
     whole = {variant: stack.mean(axis=(1, 2, 3)) for variant, stack in stacks.items()}
     error = np.sqrt(sum(each.var(ddof=1) / len(each) for each in whole.values()))
-    percentile, worst = ends[AUTOMATIC] / np.maximum(ends[WITHOUT], 1e-300)
+    (percentile, worst), (percentile_error, worst_error) = _ratio(ends[AUTOMATIC], ends[WITHOUT])
     used = not np.array_equal(stacks[WITHOUT], stacks[AUTOMATIC])
     difference = whole[AUTOMATIC].mean() - whole[WITHOUT].mean()
     return dict(
@@ -187,6 +188,8 @@ def row_of(stacks: dict[str, np.ndarray], work: dict[str, float]) -> dict:
         time=1.0 / gains["time"],
         percentile=float(percentile),
         worst=float(worst),
+        percentile_error=float(percentile_error),
+        worst_error=float(worst_error),
         flicker=flicker[0] / max(flicker[1], 1e-300),
         flicker_of_blocks=of_blocks[0] / max(of_blocks[1], 1e-300),
         change_of_blocks=of_blocks[0],
@@ -194,6 +197,13 @@ def row_of(stacks: dict[str, np.ndarray], work: dict[str, float]) -> dict:
         deviation=float(difference / error) if used else 0.0,
         used=used,
     )
+
+
+def _ratio(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Ratios of the means of columns (n, k), and their standard errors."""
+    ratio = a.mean(axis=0) / np.maximum(b.mean(axis=0), 1e-300)
+    parts = [x.var(axis=0, ddof=1) / (len(x) * np.maximum(x.mean(axis=0), 1e-300) ** 2) for x in (a, b)]
+    return ratio, ratio * np.sqrt(parts[0] + parts[1])
 
 
 def flicker_of(frames: np.ndarray, size: int) -> float:
@@ -251,12 +261,20 @@ def document(rows: list[dict]) -> None:
         missing = len(COLUMNS) + 3 - line.count("|")
         lines[line.split(" | ")[0].removeprefix("| ")] = line + "  |" * missing
     for row in rows:
-        cells = (f"{row[key]:.{0 if row[key] >= 10.0 else 2}f}" if key in row else "" for key in COLUMNS)
+        cells = (_cell(row, key) for key in COLUMNS)
         chosen = row.get("chosen", "neither")
         lines[row["indirect_scene"]] = f"| {row['indirect_scene']} | {chosen} | {' | '.join(cells)} |"
     head = [f"| scene | chosen | {' | '.join(COLUMNS.values())} |", "|---" * (len(COLUMNS) + 2) + "|"]
     body = [lines[name] for name in SCENES if name in lines]
     DOCUMENT.write_text("\n".join([before + BEGIN, *head, *body, END]) + after, encoding="utf-8")
+
+
+def _cell(row: dict, key: str) -> str:
+    """A figure of the table, with its standard error if the row has one."""
+    if key not in row:
+        return ""
+    error = f" ± {row[key + '_error']:.2f}" if key + "_error" in row else ""
+    return f"{row[key]:.{0 if row[key] >= 10.0 else 2}f}{error}"
 
 
 def run(options) -> tuple[dict, list[dict]]:

@@ -19,6 +19,7 @@ def test_gain_is_error_times_time():
     assert row["gain"] == pytest.approx(8.0, rel=0.15)
     assert row["time"] == pytest.approx(0.5)
     assert 0.4 < row["percentile"] < 0.6 and 0.4 < row["worst"] < 0.6
+    assert 0.0 < row["percentile_error"] < 0.05 and 0.0 < row["worst_error"] < 0.1
     assert 0.4 < row["flicker"] < 0.6 and 0.3 < row["flicker_of_blocks"] < 0.7
     assert row["used"] and abs(row["deviation"]) < 4.0
 
