@@ -93,6 +93,19 @@ def one_sided(width: int, height: int):
     return scene
 
 
+def metal(width: int, height: int):
+    """A rough metal box, a plate of frosted glass, and plastic with a smooth coat that is not quite a mirror, on a
+    floor that is partly glossy."""
+    scene = above_floor(width, height)
+    brushed = material("glossy", "brushed", color=(0.9, 0.8, 0.7), roughness=0.25)
+    add(scene, 1, translation(0.9, 0.3, 0.5) @ rotation("z", 25) @ scaling(0.3, 0.3, 0.5), brushed)
+    add(scene, 1, translation(0.0, -0.2, 0.6) @ scaling(0.3, 0.3, 0.02), material("glass", "frosted", roughness=0.3))
+    plastic = material("principled", "plastic", base_color=(0.2, 0.5, 0.8), roughness=0.2)
+    add(scene, 1, translation(-0.7, 0.2, 0.4) @ rotation("z", -30) @ scaling(0.1, 0.6, 0.4), plastic)
+    scene.materials[0] = material("principled", "floor", base_color=WHITE, roughness=0.5)
+    return scene
+
+
 def render(caustic_paths: CausticPaths, build=ball, size=SIZE, change=lambda scene: None, passes=(), **changes) -> Film:
     scene = build(*size)
     values = dict(samples=8, threads=2, caustic_paths=caustic_paths, lamp_paths=LampPaths.NEVER)
@@ -124,6 +137,21 @@ def border(scene) -> None:
     scene.settings.filter, scene.settings.filter_width = Filter.BLACKMAN_HARRIS, 2.5
 
 
+@pytest.fixture
+def left_to_caustic_paths(monkeypatch) -> None:
+    """All light that caustic paths can find is left to them, by ratios a thousand times as large."""
+    fill = PackedScene.set_caustic_paths
+
+    def leave(packed, tables, scalars) -> None:
+        if "caustic_density" in tables:
+            targets = tables["caustic_targets"].copy()
+            targets["lines"] *= 1000.0
+            tables = tables | {"caustic_density": 1000.0 * tables["caustic_density"], "caustic_targets": targets}
+        fill(packed, tables, scalars)
+
+    monkeypatch.setattr(PackedScene, "set_caustic_paths", leave)
+
+
 def tight(scene) -> None:
     scene.settings.max_bounces = 3
     scene.settings.glossy_bounces = scene.settings.transmission_bounces = 1
@@ -142,21 +170,18 @@ def tight(scene) -> None:
         (mirrors, tight),
         (water, lambda scene: None),
         (one_sided, lambda scene: None),
+        (metal, lambda scene: None),
+        (metal, tight),
     ],
-    ids=["ball", "border", "orthographic", "lens", "limits", "mirrors", "limited mirrors", "water", "one-sided"],
+    ids=[
+        *("ball", "border", "orthographic", "lens", "limits", "mirrors", "limited mirrors", "water", "one-sided"),
+        *("metal", "limited metal"),
+    ],
 )
-def test_caustic_paths_change_the_noise_alone(build, change, monkeypatch):
-    """All light that caustic paths can find is left to them, by ratios a thousand times as large. Means of the whole
-    and of blocks over 24 renders each agree within 4.5 standard errors of their differences: by chance, one set of
-    seeds in a hundred would not. Blocks with hardly any caustic do not count: errors are not normal there."""
-    fill = PackedScene.set_caustic_paths
-
-    def leave_to_caustic_paths(packed, tables, scalars) -> None:
-        if "caustic_density" in tables:
-            tables = tables | {"caustic_density": 1000.0 * tables["caustic_density"]}
-        fill(packed, tables, scalars)
-
-    monkeypatch.setattr(PackedScene, "set_caustic_paths", leave_to_caustic_paths)
+def test_caustic_paths_change_the_noise_alone(build, change, left_to_caustic_paths):
+    """Means of the whole and of blocks over 24 renders each agree within 4.5 standard errors of their differences: by
+    chance, one set of seeds in a hundred would not. Blocks with hardly any caustic do not count: errors are not normal
+    there."""
     one, other = (
         np.array([picture(each, build, change=change, seed=seed, **FIXED) for seed in range(24)])
         for each in (WITHOUT, ALWAYS)
@@ -184,12 +209,13 @@ def test_caustics_have_less_noise():
 
 
 @pytest.mark.parametrize("caustic_paths", [ALWAYS, AUTOMATIC])
-def test_the_picture_does_not_depend_on_threads(caustic_paths):
+@pytest.mark.parametrize("build", [ball, metal])
+def test_the_picture_does_not_depend_on_threads(build, caustic_paths):
     one, three = (
-        picture(caustic_paths, change=small, threads=threads, size=(48, 36), samples=64) for threads in (1, 3)
+        picture(caustic_paths, build, change=small, threads=threads, size=(48, 36), samples=64) for threads in (1, 3)
     )
     assert np.array_equal(one, three)
-    assert not np.array_equal(one, picture(WITHOUT, change=small, size=(48, 36), samples=64))
+    assert not np.array_equal(one, picture(WITHOUT, build, change=small, size=(48, 36), samples=64))
 
 
 def test_samples_do_not_depend_on_how_they_are_asked_for():
@@ -219,11 +245,15 @@ def test_ranges_of_samples_are_one_render(ends):
     np.testing.assert_allclose(joined, whole, rtol=2e-5, atol=1e-7)
 
 
-@pytest.mark.parametrize("others", [dict(lamp_paths=LampPaths.ALWAYS), dict(path_reuse=PathReuse.ALWAYS)])
-def test_they_work_with_light_paths_and_path_reuse(others):
+CONNECTED, REUSED = dict(lamp_paths=LampPaths.ALWAYS), dict(path_reuse=PathReuse.ALWAYS)
+
+
+@pytest.mark.parametrize("build", [ball, metal])
+@pytest.mark.parametrize("others", [CONNECTED, REUSED, CONNECTED | REUSED], ids=["connected", "reused", "both"])
+def test_they_work_with_light_paths_and_path_reuse(build, others, left_to_caustic_paths):
     """Means over 12 renders agree within 4.5 standard errors."""
     one, other = (
-        np.array([picture(each, seed=seed, **FIXED | dict(samples=16) | others).mean() for seed in range(12)])
+        np.array([picture(each, build, seed=seed, **FIXED | dict(samples=16) | others).mean() for seed in range(12)])
         for each in (WITHOUT, ALWAYS)
     )
     assert not np.array_equal(one, other)
@@ -242,7 +272,13 @@ def _blurred(scene) -> None:
 
 
 def _rough(scene) -> None:
+    scene.materials[-1] = material("glass", "ball", roughness=0.6)
+
+
+def _seen_through(scene) -> None:
+    """Narrow lobes, but also something transparent, which light rays pass."""
     scene.materials[-1] = material("glass", "ball", roughness=0.3)
+    add(scene, 1, translation(0.9, 0.3, 0.5) @ scaling(0.1, 0.1, 0.1), material("transparent", "veil", color=GREY))
 
 
 def _hidden(scene) -> None:
@@ -260,13 +296,14 @@ def _area(scene) -> None:
     [
         (ALWAYS, _blurred, ()),
         (ALWAYS, _rough, ()),
+        (ALWAYS, _seen_through, ()),
         (ALWAYS, _area, ()),
         (AUTOMATIC, _hidden, ()),
         (AUTOMATIC, lambda scene: setattr(scene.settings, "samples", 4), ()),
         (ALWAYS, lambda scene: setattr(scene.settings, "caustics_refractive", False), ()),
         (ALWAYS, lambda scene: None, ("Diffuse Direct",)),
     ],
-    ids=["filtered", "rough", "area", "hidden", "few samples", "no caustics", "lobes"],
+    ids=["filtered", "rough", "seen through", "area", "hidden", "few samples", "no caustics", "lobes"],
 )
 def test_where_they_are_not_used_the_picture_is_the_same(caustic_paths, change, passes):
     changes = dict(samples=64, change=change, passes=passes)

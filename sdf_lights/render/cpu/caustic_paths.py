@@ -28,21 +28,22 @@ from ...graph.formula import VARIABLE, order
 from ...graph.functions import Function
 from ..film import Film
 from ..kernels.camera import filter_radius
-from ..kernels.caustic_paths.records import KNOWN, MAY_DIFFER, MOST_MIRRORS, RECORD, UNKNOWN
+from ..kernels.caustic_paths.records import KNOWN, MAY_DIFFER, MOST_MIRRORS, NARROW, RECORD, UNKNOWN
 from ..kernels.caustic_paths.trace import add_to_image, trace_caustic_paths
 from ..kernels.outputs.records import LIGHT, LOBES
 from ..kernels.shading.material_records import NO_GRAPH
 from ..kernels.shading.records import NEEDS_RAY
+from ..sample_allocation import own_cost
 from ..scene import Projection, Scene
 from ..settings import MOST_BRANCHES, START_BRANCHES, CausticPaths
 from .block import PackedScene, Workspace
-from .caustic_targets import Sources, chances_of, find_targets, may_be_mirrors
+from .caustic_targets import Sources, chances_of, find_targets, may_be_mirrors, put_lines
 from .light_paths import CHUNK, PILOT_NUMBER, in_chunks, powers_of, treats_rays_alike
 
 SET = 8  # samples of pixels that share one picture of the caustics
-SAMPLE_COST = 2.5  # of a sample of a pixel, in rays: about the least
+SAMPLE_COST = 2.5  # of a sample of a pixel, in rays, until some have told: about the least
 RAYS = 5.0  # of a caustic path, until the pilot has told
-SHARES = 0.01, 0.02, 0.04, 0.08, 0.16  # parts of the time of samples, among which the best is chosen
+SHARES = 0.01, 0.02, 0.04, 0.08, 0.16, 0.32  # parts of the time of samples, among which the best is chosen
 ALWAYS_SHARE = 0.04  # where it is not chosen
 # Paths of the pilot: for each pixel and sample of the render, which takes 0.5 % of its time, at least, and at most.
 PILOT_PART, FEWEST, MOST = 0.0025, 256, 4096
@@ -89,7 +90,7 @@ def pilot_paths(scene: Scene) -> int:
 
 
 def materials_of(packed: PackedScene) -> np.ndarray:
-    """(materials,) UNKNOWN, KNOWN or MAY_DIFFER.
+    """(materials,) UNKNOWN, MAY_DIFFER, KNOWN or NARROW.
 
     A bump depends on the distance along the ray, which is another for light paths. What depends on the direction may
     show a mirror to one side alone."""
@@ -102,7 +103,15 @@ def materials_of(packed: PackedScene) -> np.ndarray:
             found.append(UNKNOWN)
         else:
             found.append(MAY_DIFFER if looks or names - SAME_FROM_ALL_SIDES else KNOWN)
-    return np.array(found, np.int64)
+    known = np.array(found, np.int64)
+    known[(known == KNOWN) & may_be_mirrors(packed, known)] = NARROW  # closures tell how narrow they are
+    return known
+
+
+def follows_lobes(packed: PackedScene) -> dict[str, float]:
+    """The scalar that tells whether narrow lobes scatter caustic paths. A light ray passes transparent surfaces, and
+    does not tell whether it has. So no scene with some has these."""
+    return {"caustic_lobes": float(not packed.block[0]["transparent_shadows"])}
 
 
 class CausticTracer:
@@ -117,11 +126,12 @@ class CausticTracer:
         lamps = packed.table("lamps")[: len(packed.lamps_of(scene))]
         if not len(lamps):
             return None
-        sources = Sources(lamps["center"].copy(), powers_of(scene, packed)[: len(lamps)])
+        sources = Sources.of(lamps, powers_of(scene, packed)[: len(lamps)])
         known = materials_of(packed)
         usable = may_be_mirrors(packed, known)
         if not (sources.powers.any() and usable.any()):
             return None
+        packed.set_caustic_paths({}, follows_lobes(packed))
         targets = find_targets(scene, packed, workspaces[0], usable, sources)
         found = cls(scene, packed, workspaces, sources, known, targets) if len(targets) else None
         return found if found is not None and found._try() else None
@@ -149,23 +159,28 @@ class CausticTracer:
         self._automatic = scene.settings.caustic_paths is CausticPaths.AUTOMATIC
         self._found = np.zeros(0, RECORD)  # by the pilot
         self._scale, self._cost = 1.0, RAYS  # of the pilot, in sets that ratios are for; and rays of a path
+        self._sample_cost, self._tried = SAMPLE_COST, 0  # rays of a sample; and paths of a set that ratios are for
 
     def _try(self) -> bool:
         """Trace the paths of the pilot. Returns False if these show that caustic paths are of no use."""
         paths = pilot_paths(self._scene)
-        first = self._number(ALWAYS_SHARE, RAYS)
-        self._set_up(first)
+        self._tried = self._number(ALWAYS_SHARE, RAYS)
+        self._set_up(self._tried)
         self._found, rays = self._traced(PILOT_NUMBER, paths, 0, paths)
         self._packed.set_caustic_paths({}, {})
-        self._scale, self._cost = paths / first, rays / paths
+        self._scale, self._cost = paths / self._tried, rays / paths
         return bool(len(self._found)) or not self._automatic
 
     def begin(self, try_without: Callable[[], Film | None]) -> bool:
         """Decide on the number of caustic paths, and let the scene share its light with them; False if they are not
         used. ``try_without`` gives a film with two samples of some pixels without them, or None."""
+        alone = try_without()
+        if alone is not None:
+            known = np.flatnonzero(alone.count)
+            met = alone.divided[known, 2].sum() / max(alone.count[known].sum(), 1)
+            self._sample_cost = max(own_cost(alone, known) + float(met), SAMPLE_COST)
         share: float | None = ALWAYS_SHARE
         if self._automatic:
-            alone = try_without()
             share = None if alone is None else self._best_share(alone)
         if share is None:
             return False
@@ -198,7 +213,7 @@ class CausticTracer:
 
     def _number(self, share: float, cost: float) -> int:
         """The number of paths of a set that take this part of the time of its samples. ``cost``: rays of a path."""
-        return max(round(share * SET * self._pixels * SAMPLE_COST / cost / CHUNK), 1) * CHUNK
+        return max(round(share * SET * self._pixels * self._sample_cost / cost / CHUNK), 1) * CHUNK
 
     def _set_up(self, paths: int) -> None:
         """Let the scene share light with so many paths of a set."""
@@ -211,9 +226,11 @@ class CausticTracer:
             "caustic_density": paths * sources.powers / (sources.powers.sum() * volumes),
             "caustic_materials": self._known,
         }
+        put_lines(self._targets, self._chances, sources, paths)
         # Sample allocation lets paths divide often where caustics make them noisy.
         branches = scene.settings.indirect_paths or MOST_BRANCHES
-        self._packed.set_caustic_paths(tables, {"caustic_samples": float(SET * branches)})
+        samples = {"caustic_samples": float(SET * branches)}
+        self._packed.set_caustic_paths(tables, samples | follows_lobes(self._packed))
 
     def _traced(self, number: int, total: int, first: int, last: int) -> tuple[np.ndarray, int]:
         """The records of caustic paths ``first`` to before ``last`` of ``total``, ``BATCH`` at most, of a set, and the
@@ -248,9 +265,9 @@ class CausticTracer:
             every * light**2 / self._scale / _square(self._lit(alone, records) + every * _brightness(records), mean)
         )
         without = rest + float((squares * ratio).sum())
-        first, best, found = self._number(ALWAYS_SHARE, RAYS), without / LEAST_GAIN, None
+        best, found = without / LEAST_GAIN, None
         for share in SHARES:
-            more = self._number(share, self._cost) / first
+            more = self._number(share, self._cost) / self._tried
             weight = 1.0 - 1.0 / (1.0 + (ratio * more) ** 2)
             left = float((squares * (weight**2 / more + (1.0 - weight) ** 2 * ratio)).sum())
             product = (rest + left) * (1.0 + share)

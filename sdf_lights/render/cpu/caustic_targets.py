@@ -12,9 +12,8 @@ from __future__ import annotations
 import numpy as np
 
 from ...frozen import frozen
-from ..kernels.caustic_paths.records import TARGETS, UNKNOWN
+from ..kernels.caustic_paths.records import TARGET, TARGETS, UNAIMED, UNKNOWN
 from ..kernels.caustic_paths.trace import find_mirrors
-from ..kernels.light_paths.records import TARGET
 from ..kernels.shading.material_records import (
     LOBE_GLASS,
     LOBE_GLOSSY,
@@ -36,10 +35,20 @@ SCATTERED = int(Ray.DIFFUSE | Ray.GLOSSY | Ray.TRANSMISSION)
 
 @frozen
 class Sources:
-    """Where caustic paths start: centers (lamps, 3) and powers (lamps,) of lamps, 0 for those that do not count."""
+    """Where caustic paths start: centers (lamps, 3) and powers (lamps,) of lamps, 0 for those that do not count; and
+    areas (lamps,) that they show, about, seen from anywhere (m²)."""
 
     centers: np.ndarray
     powers: np.ndarray
+    areas: np.ndarray
+
+    @classmethod
+    def of(cls, lamps: np.ndarray, powers: np.ndarray) -> Sources:
+        """Of ``lamps`` (n,) with the powers (n,)."""
+        x, y, z = lamps["half"].T
+        # A lamp shows more than the shade of a ball of its volume, and less than that of its bounding box.
+        areas = 2.0 * (x * y + y * z + z * x) * np.sqrt(np.minimum(lamps["volume"] / (8.0 * x * y * z), 1.0))
+        return cls(lamps["center"].copy(), powers, areas)
 
 
 def may_be_mirrors(packed: PackedScene, known: np.ndarray) -> np.ndarray:
@@ -79,6 +88,17 @@ def find_targets(
     targets = np.zeros(len(groups), TARGET)
     targets["position"], targets["radius"] = (np.array(values) for values in zip(*(_ball(each) for each in groups)))
     return targets
+
+
+def put_lines(targets: np.ndarray, chances: np.ndarray, sources: Sources, paths: int) -> None:
+    """Fill ``lines`` and ``lamp_pdf`` of the targets, for so many paths of a set, which are aimed by ``chances`` (lamps,
+    targets)."""
+    part = sources.powers / sources.powers.sum()
+    apart = np.linalg.norm(targets["position"][None] - sources.centers[:, None], axis=2)
+    aimed = (1.0 - UNAIMED) * chances / (4.0 * np.pi * _seen(targets["position"], targets["radius"], sources.centers))
+    lines = paths * (part / sources.areas)[:, None] * aimed
+    targets["lines"] = lines.sum(axis=0)
+    targets["lamp_pdf"] = (lines * apart**2 / sources.areas[:, None]).sum(axis=0) / targets["lines"]
 
 
 def chances_of(targets: np.ndarray, sources: Sources) -> np.ndarray:

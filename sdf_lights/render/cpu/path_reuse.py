@@ -27,7 +27,8 @@ import math
 import numpy as np
 
 from ...jit import kernel
-from ...vec import ZERO, add, dot, largest, mul, put, put_sum, scale, sub, vec
+from ...vec import ZERO, add, dot, is_zero, largest, mul, put, put_sum, scale, sub, vec
+from ..kernels.caustic_paths.weights import area_of_pixel
 from ..kernels.film import (
     add_sample,
     branches_before,
@@ -52,6 +53,7 @@ from ..kernels.outputs.records import CATCHERS
 from ..kernels.path import (
     ARRIVES,
     BEYOND,
+    CAMERA,
     FIRST_BRANCH,
     FIRST_BRANCH_RAY,
     MIXTURE_SETS,
@@ -142,7 +144,7 @@ def step_for(arrivals: np.ndarray) -> int:
 
 
 @kernel
-def keep_point(workspace, number, pixel, index, branches):
+def keep_point(block, workspace, number, pixel, index, branches):
     """Keep the surface of the workspace, where its path divides, as a point of the group."""
     path, point = path_table(workspace)[0], point_table(workspace)[number]
     surface, closure = surface_table(workspace)[0], closure_table(workspace)[0]
@@ -157,6 +159,10 @@ def keep_point(workspace, number, pixel, index, branches):
     put(point.throughput, vec(path.throughput))
     point.least_pdf = path.least_pdf
     point.branches, point.pixel, point.index = branches, pixel, index
+    if block.caustic_paths:
+        seen = path.kind == CAMERA and path.transparent == 0
+        ng = vec(surface_table(workspace)[0].ng)
+        point.area = area_of_pixel(block, vec(path.direction), path.length, ng) if seen else 0.0
     point.sum = point.squares = point.brought = point.connected_noise = 0.0
 
 
@@ -257,6 +263,7 @@ def share_light(block, workspace, direct, rest, splits):
     path that goes on, one of so many ``splits``. Each is RGB, and RGB of lamps."""
     points, arrival = point_table(workspace), arrival_table(workspace)[0]
     by_light, onward = vec(arrival.by_light), vec(arrival.onward)
+    crossed = block.caustic_paths and not is_zero(vec(arrival.crossed))
     for number in range(arrival.points):
         point = points[number]
         if not point.visible:
@@ -267,13 +274,17 @@ def share_light(block, workspace, direct, rest, splits):
             add_to_point(block, workspace, number, factor, direct, rest, alone)
             continue
         first, second = quotient(vec(point.by_light), by_light), quotient(vec(point.onward), onward)
+        found, found_of_lamps = rest
+        if crossed:
+            taken = scale(vec(arrival.crossed), (1.0 - point.left) * arrival.scale)
+            found, found_of_lamps = sub(found, taken), sub(found_of_lamps, taken)
         add_to_point(
             block,
             workspace,
             number,
             factor,
             (mul(direct[0], first), mul(direct[1], first)),
-            (mul(rest[0], second), mul(rest[1], second)),
+            (mul(found, second), mul(found_of_lamps, second)),
             alone,
         )
 
@@ -297,6 +308,7 @@ def follow_split(block, workspace):
     path, sample, arrival = path_table(workspace)[0], sample_table(workspace)[0], arrival_table(workspace)[0]
     put(sample.combined, ZERO)
     put(sample.lamps, ZERO)
+    put(arrival.crossed, ZERO)
     sample_direct_light(block, workspace)
     direct, direct_lamps = vec(sample.combined), vec(sample.lamps)
     if scatter(block, workspace):
@@ -417,7 +429,7 @@ def begin_pixel(blocks, block, workspace, x, y, pixel, index, count, stored):
         if count == 0:
             paths[GROUP_START] = paths[0]
         if can_share(block, workspace) and same_bounces(paths[0], paths[GROUP_START]):
-            keep_point(workspace, count, pixel, index, branches)
+            keep_point(block, workspace, count, pixel, index, branches)
             if block.outputs & CATCHERS:
                 trace_catchers(blocks, block, workspace)
             count_sample(block, workspace, pixel)

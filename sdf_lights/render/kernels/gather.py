@@ -11,9 +11,11 @@ from ... import emitter as lamps
 from ...emitter.sampling.strategies import NO_BSDF_RAYS, NO_LIGHT_RAYS
 from ...jit import kernel
 from ...replaced import replaced_on_gpu
-from ...vec import is_zero, mul, scale, vec
+from ...vec import is_zero, mul, put_sum, scale, sub, vec
 from . import lights
 from .caustic_paths import dispatch as caustic_paths
+from .caustic_paths.records import BY_LOBE
+from .caustic_paths.records import density_table as caustic_density
 from .emission_graphs import modulated
 from .geometry import surface_table
 from .lamp_tree import found_table, lamps_along
@@ -23,13 +25,16 @@ from .next_event import bsdf_mis_pdf, lamp_pdf, mis_applies, restore_lamp_cut, s
 from .path import (
     CAMERA,
     EMISSION_SET,
+    ONWARD,
     contribute,
     leave_connected,
     of_instance,
     path_table,
+    sample_table,
     show_environment,
     subtract_alpha,
 )
+from .path_reuse.records import arrival_table
 from .samplers import get_1d
 from .workspace import cut_of, hit_table, light_cut_of, spans_of
 
@@ -124,9 +129,15 @@ def gather_lamps(block, workspace, t_to):
         if is_zero(radiance):
             continue
         weight = _lamp_mis(block, workspace, lamp, count)
-        if block.caustic_paths and path.caustic > 1 and path.transparent == 0:
-            weight *= caustic_paths.left_to_path(block, workspace, lamp, count, t_to)
+        shared = False
+        if block.caustic_paths and path.transparent == 0 and (path.caustic > 1 or path.caustic == BY_LOBE):
+            shared = block.reuses_paths and path.reused == ONWARD and caustic_density(block)[lamp] > 0.0
+            if not shared:
+                weight *= caustic_paths.left_to_path(block, workspace, lamp, count, t_to)
+        before = vec(sample_table(workspace)[0].combined)
         contribute(block, workspace, radiance, weight, lamp, path.bounce)
+        if shared:  # each point of the group leaves another part of it to caustic paths
+            put_sum(arrival_table(workspace)[0].crossed, sub(vec(sample_table(workspace)[0].combined), before))
 
 
 @replaced_on_gpu

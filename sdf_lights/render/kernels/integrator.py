@@ -406,6 +406,8 @@ def shade_and_scatter(block, workspace, whole):
     sample.met += sample.divided
     if not exits:
         gather_surface(block, workspace)
+    if block.caustic_paths and path.caustic == 1:
+        caustic_paths.meet(block, workspace)
     if block.reuses_paths and path.reused == ARRIVES:
         path_reuse.arrive(block, workspace)
         if path.reused >= REUSED:

@@ -17,6 +17,8 @@ from ...jit import kernel
 from ...replaced import replaced_on_gpu
 from ...vec import dot, is_zero, largest, length, mul, negate, scale, vec
 from . import lights
+from .caustic_paths.lobes import left_by_lobe
+from .caustic_paths.records import density_table as caustic_density
 from .emission_graphs import NO_RAY, modulated
 from .geometry import surface_at, surface_table
 from .light_paths import dispatch as light_paths
@@ -27,7 +29,7 @@ from .outputs.records import LOBES
 from .outputs.state import LIGHT_RAY
 from .path import BEYOND, LIGHT_SET, MIXED, contribute, path_table, put_depths, sample_table
 from .path_reuse import dispatch as path_reuse
-from .path_reuse.records import BY_LIGHT, arrival_table
+from .path_reuse.records import BY_LAMP, BY_LIGHT, arrival_table
 from .samplers import get_4d
 from .shading import evaluate, has_lobes, shade, transmits
 from .shading.records import SCATTERED
@@ -149,11 +151,18 @@ def leave_to_connections(block, workspace, wi, emitter):
 
 
 @kernel
-def scattered(block, workspace, wi, kinds):
-    """``shading.evaluate`` for a light ray: of all paths that share the surface, if they do."""
-    if block.reuses_paths and path_table(workspace)[0].reused == MIXED:
-        return path_reuse.evaluate_arrival(block, workspace, wi, kinds, BY_LIGHT)
-    return evaluate(block, workspace, wi, kinds)
+def scattered(block, workspace, wi, kinds, emitter):
+    """``shading.evaluate`` for a light ray: of all paths that share the surface, if they do; and of the light of lamps,
+    what caustic paths leave."""
+    path, ray = path_table(workspace)[0], BY_LIGHT
+    if block.caustic_paths and path.caustic == 1 and path.lines > 0.0 and emitter < block.lamp_count:
+        ray = BY_LAMP if caustic_density(block)[emitter] > 0.0 else BY_LIGHT
+    if block.reuses_paths and path.reused == MIXED:
+        return path_reuse.evaluate_arrival(block, workspace, wi, kinds, ray)
+    value, pdf, glossy_pdf = evaluate(block, workspace, wi, kinds)
+    if ray == BY_LAMP:
+        value = scale(value, left_by_lobe(workspace, path, pdf, path.rival))
+    return value, pdf, glossy_pdf
 
 
 @kernel
@@ -180,7 +189,7 @@ def sample_lamp_light(block, workspace, lamp, pmf, u, u1, u2, u3):
         if distance <= 0.0 or largest(intensity) <= 0.0:
             return
         wi = scale(way, 1.0 / distance)
-        weight, _, _ = scattered(block, workspace, wi, lights.visibility(block, lamp))
+        weight, _, _ = scattered(block, workspace, wi, lights.visibility(block, lamp), lamp)
         if largest(weight) <= 0.0:
             return
         start = light_start(block, workspace, wi)
@@ -196,7 +205,7 @@ def sample_lamp_light(block, workspace, lamp, pmf, u, u1, u2, u3):
             )
         return
     wi = lamp_direction(block, workspace, lamp, x, u1, u2, u3)
-    weight, pdf, glossy_pdf = scattered(block, workspace, wi, lights.visibility(block, lamp))
+    weight, pdf, glossy_pdf = scattered(block, workspace, wi, lights.visibility(block, lamp), lamp)
     if largest(weight) <= 0.0:
         return
     count = lamps.trace(block, lamp, x, wi, spans)
@@ -239,7 +248,7 @@ def sample_direct_light(block, workspace):
     wi, distance, radiance, pdf, singular = lights.sample_light(block, emitter, x, n, u[1], u[2])
     if pdf <= 0.0 or largest(radiance) <= 0.0:
         return
-    weight, scatter_pdf, _ = scattered(block, workspace, wi, lights.visibility(block, emitter))
+    weight, scatter_pdf, _ = scattered(block, workspace, wi, lights.visibility(block, emitter), emitter)
     if largest(weight) <= 0.0:
         return
     start = light_start(block, workspace, wi)

@@ -84,8 +84,9 @@ SAMPLE = np.dtype(
 # if it scatters as the mixture of what all see, and ONWARD behind it. ``row`` is that of the sample of a branch's own
 # path, and ``scale`` the largest throughput as the branch began. ``caustic`` is 0 unless the path has been scattered at
 # the first surface that the camera sees by a lobe that is not singular, and by mirrors and sharp glass alone after
-# that: then 1, and 1 more for each of these. ``rival`` is what light paths that find the same light compete with: see
-# ``caustic_paths.weights``.
+# that: then 1, and 1 more for each of these. It is BY_LOBE behind a narrow lobe instead of these. ``rival`` is what
+# light paths that find the same light compete with: see ``caustic_paths.weights``. At the surface after the first,
+# ``lines`` and ``lamp_pdf`` are those of ``caustic_paths.lobes``.
 PATH = np.dtype(
     [
         ("origin", "f8", 3),
@@ -142,6 +143,8 @@ PATH = np.dtype(
         ("scale", "f8"),
         ("caustic", "i8"),
         ("rival", "f8"),
+        ("lines", "f8"),
+        ("lamp_pdf", "f8"),
     ],
     align=True,
 )

@@ -9,7 +9,12 @@ import numpy as np
 from .. import code_tables
 from . import dispatch, weights
 
-KERNELS = {dispatch.FOLLOW: (weights.follow, 5), dispatch.LEFT_TO_PATH: (weights.left_to_path, 3)}
+KERNELS = {
+    dispatch.FOLLOW: (weights.follow, 5),
+    dispatch.LEFT_TO_PATH: (weights.left_to_path, 3),
+    dispatch.MEET: (weights.meet, 1),
+    dispatch.LEFT_TO_VERTEX: (weights.left_to_vertex, 5),
+}
 
 
 def addresses(has_caustic_paths: bool, records: tuple) -> np.ndarray:

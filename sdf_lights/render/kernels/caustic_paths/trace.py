@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Caustic paths: from points of SDF lamps, aimed at mirrors and glass, on to surfaces that are seen by the camera.
+"""Caustic paths: from points of SDF lamps, aimed at mirrors, glass and narrow lobes, on to surfaces that are seen by the camera.
 
 A camera ray through the place of the picture where the surface is tells whether it is seen, and shades it as for paths
 from the camera. With the flux Φ that comes along −ω, the value of a pixel grows by
@@ -40,8 +40,9 @@ from ..shading.records import (
     closure_table,
 )
 from ..workspace import secondary_table, spans_of
+from .lobes import has_narrow_lobe, ratio_of_lobe, weight_of
 from .records import MOST_MIRRORS, UNAIMED, chance_table, power_table, target_table
-from .weights import area_of_pixel, cone_around, direction_density, knows_mirror, ratio_of, rival_of, weight_of
+from .weights import area_of_pixel, cone_around, direction_density, knows_mirror, lines_of, ratio_of, rival_of
 
 SEEN = 1e-5  # part of a distance by which a ray may end before a place that it reaches
 LENS_SET, FIRST_SET = 2, 3  # of random numbers: for the lens, and at the first surface
@@ -137,7 +138,7 @@ def _trace(block, workspace, index, total, seed, window, records, first):
     if lamp < 0:
         return 0, 0
     to_lamp, mirror, start, own, least = negate(direction), ZERO, ZERO, ray.id, float(ray.least)
-    t_lamp, spans = -1.0, 0
+    t_lamp, spans, pdf_back, lines, lamp_pdf = -1.0, 0, 0.0, 0.0, 0.0
     for mirrors in range(min(MOST_MIRRORS, block.max_bounces) + 1):
         start_anew(block, workspace)
         rays += 1
@@ -151,7 +152,7 @@ def _trace(block, workspace, index, total, seed, window, records, first):
         shade(block, workspace)
         place, seen = vec(surface.position), mirrors > 0 and surface.evaluable > 0
         goes_on, next_flux, next_glossy, next_transmission = False, flux, glossy, transmission
-        if mirrors < min(MOST_MIRRORS, block.max_bounces) and surface.strand == 0:
+        if mirrors < min(MOST_MIRRORS, block.max_bounces) and surface.strand == 0 and not pdf_back > 0.0:
             numbers = get_3d(index, seed, FIRST_SET + mirrors)
             direction, _, pdf, _, kind = sample(block, workspace, numbers[0], numbers[1], numbers[2])
             if pdf > 0.0 and kind & SINGULAR and kind & TRANSPARENT == 0:
@@ -167,6 +168,16 @@ def _trace(block, workspace, index, total, seed, window, records, first):
                         if mirrors > 0:
                             next_glossy += int(kind & GLOSSY != 0)
                             next_transmission += int(kind & TRANSMISSION != 0)
+            elif mirrors == 0 and pdf > 0.0 and not kind & SINGULAR:
+                surface_at(block, surface_table(secondary)[0], instance, primitive, u, v, direction, DIFFUSE, 0.0)
+                lines, lamp_pdf = lines_of(block, surface)
+                if lines > 0.0:
+                    shade(block, secondary)
+                    if has_narrow_lobe(secondary):
+                        value, pdf_back, _ = evaluate(block, secondary, wi, SCATTERED)
+                        ng = vec(surface.ng)
+                        next_flux = scale(mul(flux, value), abs(dot(ng, direction)) / (abs(dot(ng, wi)) * pdf))
+                        goes_on = pdf_back > 0.0 and largest(next_flux) > 0.0
             if goes_on and mirrors == 0:
                 mirror = vec(surface_table(secondary)[0].position)
                 start, own, least = spawn_ray(workspace, surface_table(secondary)[0], wi), ray.id, float(ray.least)
@@ -182,14 +193,17 @@ def _trace(block, workspace, index, total, seed, window, records, first):
                 allowed = _part_allowed(block, cosine, pdf, glossy_pdf, glossy, transmission)
                 rival = rival_of(block, vec(surface.ng), area, wi, pdf)
                 if allowed > 0.0:
-                    if t_lamp < 0.0:
-                        ray.id, ray.least = own, least
-                        start_anew(block, workspace)
-                        rays += 1
-                        found = intersect(block, workspace, start, to_lamp, 0.0, np.inf, DIFFUSE)
-                        t_lamp = float(ray.t_far) if found else np.inf
-                    spans = lamps.trace(block, lamp, mirror, to_lamp, spans_of(workspace))
-                    ratio = ratio_of(block, workspace, lamp, mirror, to_lamp, spans, t_lamp, rival)
+                    if pdf_back > 0.0:
+                        ratio = ratio_of_lobe(lines, lamp_pdf, pdf_back, rival)
+                    else:
+                        if t_lamp < 0.0:
+                            ray.id, ray.least = own, least
+                            start_anew(block, workspace)
+                            rays += 1
+                            found = intersect(block, workspace, start, to_lamp, 0.0, np.inf, DIFFUSE)
+                            t_lamp = float(ray.t_far) if found else np.inf
+                        spans = lamps.trace(block, lamp, mirror, to_lamp, spans_of(workspace))
+                        ratio = ratio_of(block, workspace, lamp, mirror, to_lamp, spans, t_lamp, rival)
                     put(record.light, scale(mul(vec(record.light), flux), allowed))
                     record.weight, record.ratio, record.target = weight_of(ratio), ratio, target
                     if 0.0 < record.light[0] + record.light[1] + record.light[2] < np.inf:
@@ -246,9 +260,11 @@ def add_to_image(block, records, x0, y0, image):
 
 
 @kernel
-def _is_mirror(workspace):
-    """Whether the surface of the workspace has mirrors or sharp glass that light paths know."""
+def _is_mirror(block, workspace):
+    """Whether the surface of the workspace has mirrors, sharp glass or narrow lobes that light paths know."""
     closures = closure_table(workspace)
+    if block.caustic_lobes and has_narrow_lobe(workspace):
+        return True
     for index in range(surface_table(workspace)[0].closure_count):
         if closures[index].kind == MICROFACET and closures[index].singular != 0:
             return True
@@ -257,7 +273,7 @@ def _is_mirror(workspace):
 
 @kernel
 def find_mirrors(block, workspace, instance, primitives, corners, found):
-    """``found`` (n,): 1 where triangles of an instance are mirrors or sharp glass from either side, at the weights
+    """``found`` (n,): 1 where triangles of an instance are mirrors, sharp glass or narrow lobes from either side, at the weights
     ``corners`` (n, 2) of their second and third corner."""
     scene, scratch = block[0], workspace[0]
     surface = surface_table(scratch)[0]
@@ -267,4 +283,4 @@ def find_mirrors(block, workspace, instance, primitives, corners, found):
             surface_at(scene, surface, instance, primitives[index], u, v, wo, DIFFUSE, 0.0)
             wo = negate(vec(surface.ng))
             shade(scene, scratch)
-            found[index] |= int(_is_mirror(scratch))
+            found[index] |= int(_is_mirror(scene, scratch))

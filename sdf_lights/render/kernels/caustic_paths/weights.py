@@ -13,7 +13,8 @@ A set has N light paths, the lamp the part P of the power of all and the volume 
 the lamp passes through it on the length L before the next surface. p(d) is the density with which light paths start
 along that line; as it depends on the start, that of the point of the line nearest to the middle of the lamp is taken. A
 pixel sees the area A at x, and n samples of the BSDF belong to a set. Mirrors draw alike on both sides. R depends on
-the path alone, so any R gives the right mean.
+the path alone, so any R gives the right mean. A
+narrow lobe may be in the place of the mirrors: see ``lobes.py``.
 """
 
 from __future__ import annotations
@@ -28,12 +29,15 @@ from ....vec import dot, length, madd, negate, scale, sub, vec
 from ..camera import PERSPECTIVE, camera_table
 from ..geometry import surface_at
 from ..light_paths.mirrors import is_reversible, mirrored
-from ..path import CAMERA, path_table
+from ..path import CAMERA, MIXED, path_table
 from ..shading import shade
 from ..shading.records import DIFFUSE, SINGULAR, surface_table
 from ..workspace import secondary_table, spans_of
+from .lobes import has_narrow_lobe, ratio_of_lobe, weight_of
 from .records import (
-    KNOWN,
+    BY_LOBE,
+    NARROW,
+    MAY_DIFFER,
     MOST_MIRRORS,
     UNAIMED,
     UNKNOWN,
@@ -96,10 +100,19 @@ def ratio_of(block, workspace, lamp, origin, d, count, t_to, rival):
 
 
 @kernel
-def weight_of(ratio):
-    """The weight of a light path, by R."""
-    square = ratio * ratio
-    return square / (1.0 + square) if square < np.inf else 1.0
+def lines_of(block, surface):
+    """``lines`` of a surface, and ``lamp_pdf``: the sum, and the mean, of the targets around it; 0 where its material
+    has no narrow lobes that caustic paths know."""
+    targets, y, lines, lamp_pdf = target_table(block), vec(surface.position), 0.0, 0.0
+    if not block.caustic_lobes or material_table(block)[surface.material] != NARROW:
+        return 0.0, 0.0
+    for index in range(len(targets)):
+        target = targets[index]
+        way = sub(y, vec(target.position))
+        if dot(way, way) <= target.radius * target.radius:
+            lines += target.lines
+            lamp_pdf += target.lines * target.lamp_pdf
+    return lines, lamp_pdf / lines if lines > 0.0 else 0.0
 
 
 @kernel
@@ -129,14 +142,16 @@ def follow(block, workspace, x, y, z, pdf, kind):
     paths find, too: ``path.caustic``. Its ray is still the one that has come."""
     path, surface, wi = path_table(workspace)[0], surface_table(workspace)[0], (x, y, z)
     if int(kind) & SINGULAR == 0:
-        path.caustic = 0
+        before, path.caustic = path.caustic, 0
+        if before == 1 and path.lines > 0.0 and (path.reused == MIXED or has_narrow_lobe(workspace)):
+            path.caustic = BY_LOBE
         if path.kind == CAMERA and path.transparent == 0:
             ng = vec(surface.ng)
             area = area_of_pixel(block, vec(path.direction), path.length, ng)
             path.caustic, path.rival = 1, rival_of(block, ng, area, wi, pdf)
     elif path.caustic > 0:
         known = path.caustic <= MOST_MIRRORS and knows_mirror(block, workspace, wi)
-        if known and material_table(block)[surface.material] != KNOWN:
+        if known and material_table(block)[surface.material] == MAY_DIFFER:
             known = _is_drawn(block, workspace, wi)
         path.caustic = path.caustic + 1 if known else 0
     return 0.0
@@ -144,10 +159,37 @@ def follow(block, workspace, x, y, z, pdf, kind):
 
 @kernel
 def left_to_path(block, workspace, lamp, count, t_to):
-    """The part of the light of a lamp along the path's ray, behind mirrors, that caustic paths leave to the path. The
-    ``count`` intervals of the lamp are in the workspace."""
+    """The part of the light of a lamp along the path's ray, behind mirrors or a narrow lobe, that caustic paths leave
+    to the path. The ``count`` intervals of the lamp are in the workspace."""
     path, number = path_table(workspace)[0], int(lamp)
     if not density_table(block)[number] > 0.0:
         return 1.0
+    if path.caustic == BY_LOBE:
+        return 1.0 - weight_of(ratio_of_lobe(path.lines, path.lamp_pdf, path.pdf, path.rival))
     ratio = ratio_of(block, workspace, number, vec(path.origin), vec(path.direction), int(count), t_to, path.rival)
     return 1.0 - weight_of(ratio)
+
+
+@kernel
+def meet(block, workspace, _):
+    """Note the ``lines`` of the surface that a ray from the first one that the camera sees has met, if it may have
+    narrow lobes."""
+    path, surface = path_table(workspace)[0], surface_table(workspace)[0]
+    path.lines = path.lamp_pdf = 0.0
+    if path.transparent == 0:
+        path.lines, path.lamp_pdf = lines_of(block, surface)
+    return 0.0
+
+
+@kernel
+def left_to_vertex(block, workspace, x, y, z, pdf, pdf_there):
+    """The part of the light of a lamp, which a vertex of a light path scatters first, that caustic paths leave to its
+    connection with the surface that the camera sees. They scatter along (x, y, z) with the density ``pdf``, and with
+    ``pdf_there`` to the lamp; the second workspace has the surface of the vertex."""
+    path, surface, secondary = path_table(workspace)[0], surface_table(workspace)[0], secondary_table(workspace)[0]
+    lines, lamp_pdf = lines_of(block, surface_table(secondary)[0])
+    if not (lines > 0.0 and has_narrow_lobe(secondary)):
+        return 1.0
+    ng = vec(surface.ng)
+    rival = rival_of(block, ng, area_of_pixel(block, vec(path.direction), path.length, ng), (x, y, z), pdf)
+    return 1.0 - weight_of(ratio_of_lobe(lines, lamp_pdf, pdf_there, rival))

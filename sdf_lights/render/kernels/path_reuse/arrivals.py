@@ -18,6 +18,8 @@ import math
 
 from ....jit import kernel
 from ....vec import ZERO, dot, largest, length, madd, negate, put, scale, sub, vec
+from ..caustic_paths.lobes import left_by_lobe
+from ..caustic_paths.weights import rival_of
 from ..geometry import TRIANGLES, instance_table, shading_material_table, surface_at
 from ..light_paths.connections import left_by_lobes
 from ..light_paths.records import CONNECTS, material_table
@@ -43,7 +45,7 @@ from ..shading.records import (
 )
 from ..visibility import shadow_ray
 from ..workspace import point_workspaces, secondary_table
-from .records import BY_LIGHT, GROUP, GROUP_SAMPLE, arrival_table, point_table
+from .records import BY_LAMP, BY_LIGHT, GROUP, GROUP_SAMPLE, arrival_table, point_table
 
 # Times, in surfaces that rays meet: of a point that looks at an arrival, and of shading that for the point.
 LOOK_COST, SHADE_COST = 0.12, 0.38
@@ -158,6 +160,8 @@ def _begin_look(block, workspace, number, lane):
     geometry = cosine / (distance * distance)
     put(point.direction, wi)
     put(point.value, scale(value, of_kind / pdf * geometry))
+    if block.caustic_paths:
+        point.rival = rival_of(block, vec(point.ng), point.area, wi, pdf)
     point.pdf, point.area_pdf, point.part = pdf, of_kind * geometry, glossy_pdf / pdf
     return True
 
@@ -264,7 +268,7 @@ def mix(block, workspace, source):
 @kernel
 def part_of_kind(kind, pdf, glossy_pdf):
     """The part of a density ``pdf`` that rays of this kind have; all of it for light rays."""
-    if kind == BY_LIGHT or kind & TRANSMISSION or pdf <= 0.0:
+    if kind <= BY_LIGHT or kind & TRANSMISSION or pdf <= 0.0:
         return 1.0
     return glossy_pdf / pdf if kind & GLOSSY else 1.0 - glossy_pdf / pdf
 
@@ -274,10 +278,11 @@ def evaluate_arrival(block, workspace, x, y, z, kinds, ray):
     """As ``shading.evaluate`` for the direction (x, y, z), of the mixture: f̄ |cos| (RGB), p̄, and the part of that
     from lobes.
 
-    ``ray`` is BY_LIGHT for a light ray, or the kind of the ray that goes on. Rays of each kind share among themselves,
+    ``ray`` is BY_LIGHT or BY_LAMP for a light ray, or the kind of the ray that goes on. Rays of each kind share among themselves,
     as each has limits of its own: as much of f̄ as they are of p̄.
     """
-    arrival, points = arrival_table(workspace)[0], point_table(workspace)
+    arrival, points, path = arrival_table(workspace)[0], point_table(workspace), path_table(workspace)[0]
+    shares = block.caustic_paths and path.caustic == 1 and path.lines > 0.0
     wi, kind, total, density, glossy, of_kind = (x, y, z), int(ray), ZERO, 0.0, 0.0, 0.0
     for number in range(arrival.points):
         point = points[number]
@@ -287,7 +292,11 @@ def evaluate_arrival(block, workspace, x, y, z, kinds, ray):
             value = scale(value, part)
             if arrival.connected > 0.0:
                 value = scale(value, 1.0 - arrival.connected * left_by_lobes(pdf))
-            if kind == BY_LIGHT:
+            if shares and kind != BY_LIGHT:
+                point.left = left_by_lobe(point_workspaces(workspace)[GROUP + number], path, pdf, point.rival)
+                if kind == BY_LAMP:
+                    value = scale(value, point.left)
+            if kind <= BY_LIGHT:
                 put(point.by_light, value)
             else:
                 put(point.onward, value)
@@ -295,7 +304,7 @@ def evaluate_arrival(block, workspace, x, y, z, kinds, ray):
             density += point.part * pdf
             glossy += point.part * glossy_pdf
             of_kind += point.part * pdf * part
-    if kind == BY_LIGHT:
+    if kind <= BY_LIGHT:
         put(arrival.by_light, total)
     else:
         put(arrival.onward, total)

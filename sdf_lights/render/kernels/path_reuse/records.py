@@ -25,7 +25,8 @@ GROUP = SIDE * SIDE  # pixels whose paths share their branches
 # ``points`` is the number of points of the group, ``branches`` that of their branches, and ``density`` that of all
 # these branches that may have found it, by area. Where it is not even: whether any point sees a surface that is
 # ``two_sided``, or that ``has_glossy`` lobes, and the means of what ``POINT`` has. ``number`` counts the arrivals that
-# were shared, and ``uneven`` those of them that were not ``even``.
+# were shared, and ``uneven`` those of them that were not ``even``. ``crossed``: the part of the light that a path which
+# goes on has brought that is of lamps which its first ray has crossed, as far as caustic paths share it.
 ARRIVAL = np.dtype(
     [
         ("position", "f8", 3),
@@ -49,6 +50,7 @@ ARRIVAL = np.dtype(
         ("connected", "f8"),
         ("by_light", "f8", 3),
         ("onward", "f8", 3),
+        ("crossed", "f8", 3),
     ],
     align=True,
 )
@@ -60,7 +62,9 @@ ARRIVAL = np.dtype(
 # arrival. ``value`` (RGB) is f |cos| G of the point. ``pdf`` and ``area_pdf`` are densities of the arrival by solid
 # angle, and by area for its kind of ray. ``part`` is that of its branches in the density of the arrival. ``by_light``
 # and ``onward`` (RGB) are f |cos| of the arrival as the point sees it, for the light ray there, and for the path that
-# goes on.
+# goes on. ``area`` (m²) is what a pixel shows there, 0 behind a mirror; ``rival`` that of the path to the arrival: see
+# ``caustic_paths.weights``; and ``left`` what caustic paths leave of the light of lamps that the path which goes on
+# crosses first.
 POINT = np.dtype(
     [
         ("position", "f8", 3),
@@ -88,6 +92,9 @@ POINT = np.dtype(
         ("part", "f8"),
         ("by_light", "f8", 3),
         ("onward", "f8", 3),
+        ("area", "f8"),
+        ("rival", "f8"),
+        ("left", "f8"),
     ],
     align=True,
 )
@@ -96,7 +103,8 @@ POINT = np.dtype(
 SCALARS = [("reuses_paths", np.int64), ("reuse_step", np.int64)]
 TABLES = {"path_reuse_code": np.dtype(np.int64)}
 WORKSPACE_TABLES = {"reuse_arrival": ARRIVAL, "reuse_points": POINT, "ray_packet": PACKET}
-BY_LIGHT = 0  # what ``arrivals.evaluate_arrival`` is for; or else the kind of the ray that goes on
+# What ``arrivals.evaluate_arrival`` is for, or else the kind of the ray that goes on. BY_LAMP: caustic paths share it.
+BY_LAMP, BY_LIGHT = -1, 0
 # The first path of a group, its branches with their rays, and the samples of its paths, in rows behind those of a path.
 GROUP_START, GROUP_PATH = PATH_COUNTS["path"], PATH_COUNTS["path"] + 1
 GROUP_RAY, GROUP_SAMPLE = PATH_COUNTS["ray"], PATH_COUNTS["sample"]
