@@ -14,6 +14,7 @@ import ctypes
 import functools
 import hashlib
 import inspect
+import mmap
 import pathlib
 import sys
 import threading
@@ -380,8 +381,13 @@ def new_tables(dtypes: dict[str, np.dtype], counts: dict[str, int]) -> dict[str,
     slow each other down. Each table begins at a cache line, as Embree requires for rays.
     """
     sizes = {name: -(-count * dtypes[name].itemsize // _LINE) * _LINE for name, count in counts.items()}
-    memory = np.zeros(sum(sizes.values()) + _LINE, np.uint8)
-    tables, at = {}, -memory.ctypes.data % _LINE
+    try:
+        # Pages of memory from the system are zero as they are first used. Most of large tables are never used, and to
+        # clear them would take longer than all else here.
+        memory = np.frombuffer(mmap.mmap(-1, sum(sizes.values()) + _LINE), np.uint8)
+    except OSError as error:
+        raise MemoryError from error
+    tables, at = {}, 0
     for name, count in counts.items():
         tables[name] = memory[at : at + count * dtypes[name].itemsize].view(dtypes[name])
         at += sizes[name]

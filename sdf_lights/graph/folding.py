@@ -19,8 +19,10 @@ class Folding:
 
     def fold(self, formula: Formula) -> Formula:
         """The formula with numbers for its parameters. Parts that depend on no variable become one constant."""
-        with numbers_may_change():
-            return rewritten((formula,), self._known, self._replace)[0]
+        if formula not in self._known:
+            with numbers_may_change():
+                rewritten((formula,), self._known, self._replace)
+        return self._known[formula]
 
     def _replace(self, node: Formula) -> Formula:
         return self._numbers[node.value] if node.kind == PARAMETER else node

@@ -150,24 +150,30 @@ def update(film: Film, settings: Settings) -> None:
         )
 
 
-def gain_by_branches(film: Film, settings: Settings, noise_factor: float, time_factor: float) -> tuple[float, int]:
-    """Error × time as the samples of the film, two or more of some pixels, let it expect, over that with branches of
-    so many times the noise (squared) and time. Pixels have the best number of branches for either: also its mean for
-    the latter."""
-    known = film.count >= FIRST_UPDATE
-    noise = _noise(film, known) if known.any() else None
-    if noise is None:
-        return 0.0, 1
-    branches = (settings.indirect_paths,) if settings.indirect_paths else BRANCHES
+class BranchGains:
+    """What other branches would gain, as the samples of a film, two or more of some pixels, let it expect."""
 
-    def best(noise: _Noise) -> tuple[float, np.ndarray]:
-        groups = _grouped(_levels(noise.first), _levels(noise.second), film.count, known)
-        rate, count = _best(noise, groups, settings.samples, (1.0,), branches)
-        return _cost(noise, film.count, settings.samples, rate, count), count
+    def __init__(self, film: Film, settings: Settings):
+        self._film, self._settings = film, settings
+        self._known = film.count >= FIRST_UPDATE
+        self._noise = _noise(film, self._known) if self._known.any() else None
+        self._product = 0.0 if self._noise is None else self._best(self._noise)[0]
 
-    product, _ = best(noise)
-    other, count = best(replace(noise, second=noise.second * noise_factor, met=noise.met * time_factor))
-    return product / max(other, 1e-300), round(count[known].mean())
+    def of(self, noise_factor: float, time_factor: float) -> tuple[float, int]:
+        """Error × time over that with branches of so many times the noise (squared) and time. Pixels have the best
+        number of branches for either: also its mean for the latter."""
+        noise = self._noise
+        if noise is None:
+            return 0.0, 1
+        other, count = self._best(replace(noise, second=noise.second * noise_factor, met=noise.met * time_factor))
+        return self._product / max(other, 1e-300), round(count[self._known].mean())
+
+    def _best(self, noise: _Noise) -> tuple[float, np.ndarray]:
+        """Error × time with the best number of branches of each pixel, and these (pixels,)."""
+        count, samples, fixed = self._film.count, self._settings.samples, self._settings.indirect_paths
+        groups = _grouped(_levels(noise.first), _levels(noise.second), count, self._known)
+        rate, branches = _best(noise, groups, samples, (1.0,), (fixed,) if fixed else BRANCHES)
+        return _cost(noise, count, samples, rate, branches), branches
 
 
 def samples_left(film: Film) -> int:
@@ -242,18 +248,14 @@ def _noise(film: Film, known: np.ndarray) -> _Noise | None:
     part = film.divided[:, 3] / count
     if len(film.caustics):
         after = after + film.caustic_light().sum(axis=1)
-    brightness = _neighbour_means(before, known, shape, NEXT) + _neighbour_means(after, known, shape, FAR)
+    near, scatter = _neighbour_means((before, variance), known, shape, NEXT)
+    (far,) = _neighbour_means((after,), known, shape, FAR)
     mean = np.mean((before + after)[known])
-    weight = 1.0 / np.maximum(brightness**2 + FLOOR * mean**2, 1e-30)
-
-    def neighbours(values: np.ndarray, amount: np.ndarray, kernel) -> np.ndarray:
-        return _neighbour_means(values, amount, shape, kernel) * weight
-
-    first, second = np.maximum(neighbours(variance, known, NEXT), 0.0), neighbours(branch, informed, NEAR)
+    weight = 1.0 / np.maximum((near + far) ** 2 + FLOOR * mean**2, 1e-30)
     # What the scatter of branches does not explain falls with the number of samples alone. Where it explains too much,
     # branches are stratified, and scatter by as much less.
-    excess = neighbours(rest - part * branch, informed, NEAR)
-    first = first + np.maximum(excess, 0.0)
+    second, excess = (each * weight for each in _neighbour_means((branch, rest - part * branch), informed, shape, NEAR))
+    first = np.maximum(scatter * weight, 0.0) + np.maximum(excess, 0.0)
     second = np.maximum(second + np.minimum(excess, 0.0) / np.maximum(part, 1e-9), 0.0)
     if not (first.any() or second.any()):
         return None
@@ -354,9 +356,11 @@ def _grouped(first: np.ndarray, second: np.ndarray, count: np.ndarray, known: np
     return kinds, of_pixel, np.bincount(of_pixel, known, len(keys_found))
 
 
-def _neighbour_means(values: np.ndarray, amount: np.ndarray, shape: tuple[int, int], weights) -> np.ndarray:
-    """Means of the values around each pixel, each counted by its ``amount``, without its own; 0 where there are
-    none."""
+def _neighbour_means(
+    several: tuple[np.ndarray, ...], amount: np.ndarray, shape: tuple[int, int], weights
+) -> list[np.ndarray]:
+    """Of each of ``several`` arrays of values, the means around each pixel, each value counted by its ``amount``,
+    without its own; 0 where there are none."""
     reach, own = len(weights) // 2, max(weights) ** 2
 
     def total(each: np.ndarray) -> np.ndarray:
@@ -367,5 +371,6 @@ def _neighbour_means(values: np.ndarray, amount: np.ndarray, shape: tuple[int, i
         )
 
     amount = amount.astype(float)
-    number, values = total(amount), total(values * amount)
-    return np.divide(values, number, out=np.zeros(len(values)), where=number > 0.5)
+    number = total(amount)
+    some = number > 0.5
+    return [np.divide(total(values * amount), number, out=np.zeros(len(values)), where=some) for values in several]

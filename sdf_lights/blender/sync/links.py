@@ -42,7 +42,8 @@ class Links:
         return self._of(tree)[1]
 
     def _of(self, tree: bpy.types.NodeTree) -> tuple[dict, bool]:
-        if tree.as_pointer() not in self._known:
+        key = tree.as_pointer()
+        if key not in self._known:
             links = list(tree.links)
             counted = {
                 link.to_socket.as_pointer(): link
@@ -51,8 +52,8 @@ class Links:
             }
             # Blender marks a link that closes a circle, and some other links, as "not valid".
             circular = INLINED and len(counted) < len(links) and _circular(links)
-            self._known[tree.as_pointer()] = counted, circular
-        return self._known[tree.as_pointer()]
+            self._known[key] = counted, circular
+        return self._known[key]
 
 
 def _circular(links: list) -> bool:

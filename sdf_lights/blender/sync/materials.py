@@ -93,22 +93,23 @@ class Materials:
                 surface, normal = displaced_as_bump(
                     surface, moved, None if method == "BUMP" else reader.parametric(UNDISPLACED)
                 )
-        # Nodes are read again for the volume: inside a mesh, coordinates are not those of its surface.
-        inner = Reader(
-            tree,
-            owner,
-            self._depsgraph,
-            self._images,
-            self._warn,
-            "VOLUME",
-            material_index=material.pass_index,
-            grids=grids,
-            volume_interpolation=interpolation_of(material),
-        )
-        medium = medium_of(inner, output, owner, self._warn, in_object_space)
-        bounds = reader.resolve(output.inputs["Volume"])[0] is not None
-        if surface is None and bounds:
-            surface = Node("transparent")  # the surface only bounds a volume
+        bounds, medium = reader.resolve(output.inputs["Volume"])[0] is not None, None
+        if bounds:
+            # Nodes are read again for the volume: inside a mesh, coordinates are not those of its surface.
+            inner = Reader(
+                tree,
+                owner,
+                self._depsgraph,
+                self._images,
+                self._warn,
+                "VOLUME",
+                material_index=material.pass_index,
+                grids=grids,
+                volume_interpolation=interpolation_of(material),
+            )
+            medium = medium_of(inner, output, owner, self._warn, in_object_space)
+            if surface is None:
+                surface = Node("transparent")  # the surface only bounds a volume
         return Material(
             material.name,
             surface,

@@ -169,5 +169,5 @@ def _drawn(cells: np.ndarray, quick: bool) -> np.ndarray:
 
 def _thickness(cells: np.ndarray) -> float:
     """Mean over the volume of the least side of a point's box, in tree space."""
-    leaves = cells[cells["first"] < 0]
-    return np.average((leaves["high"] - leaves["low"]).min(axis=1), weights=leaves["volume"] + 1e-300)
+    low, high, volume = (cells[name][cells["first"] < 0] for name in ("low", "high", "volume"))
+    return np.average((high - low).min(axis=1), weights=volume + 1e-300)

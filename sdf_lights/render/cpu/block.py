@@ -345,12 +345,14 @@ class Workspace:
         return self._tables["spans"].reshape(-1, 2)[self._span_rows :]
 
 
-def _point_workspaces() -> tuple[np.ndarray, list[dict[str, np.ndarray]]]:
-    """Workspaces for the points of path reuse and for the arrival as they see it, and the tables that they point to."""
-    blocks, kept = np.zeros(2 * path_reuse_records.GROUP, WORKSPACE), []
+def _point_workspaces() -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """Workspaces for the points of path reuse and for the arrival as they see it, and the tables that they share."""
+    blocks = np.zeros(2 * path_reuse_records.GROUP, WORKSPACE)
     counts = {name: shading.WORKSPACE_COUNTS[name] for name in ("surface", "closures")}
-    for row in range(len(blocks)):
-        kept.append(new_tables({name: WORKSPACE_TABLES[name] for name in counts}, counts))
-        for name, array in kept[-1].items():
-            fill_table(blocks[row : row + 1], name, array)
-    return blocks, kept
+    tables = new_tables(
+        {name: WORKSPACE_TABLES[name] for name in counts}, {name: len(blocks) * count for name, count in counts.items()}
+    )
+    for name, array in tables.items():
+        blocks[name + "_address"] = array.ctypes.data + counts[name] * array.itemsize * np.arange(len(blocks))
+        blocks[name + "_count"] = counts[name]
+    return blocks, tables

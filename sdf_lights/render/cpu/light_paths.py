@@ -240,21 +240,21 @@ def materials_of(packed: PackedScene) -> np.ndarray:
       the limit ``LEAST_FILTER`` on, this hardly matters. Below, light paths follow no lobes.
     """
     table, filtered = packed.table("lobes"), packed.block[0]["filter_glossy"]
+    kinds, features = table["kind"], table["features"]
+    first, end = packed.table("materials")["lobes"].T
+
+    def has(lobes: np.ndarray) -> np.ndarray:
+        """(materials,) whether any of these ``lobes``, (all lobes,) bool, is a material's."""
+        before = np.append(0, np.cumsum(lobes))
+        return before[end] > before[first]
+
     followed = SIMPLE_LOBES if filtered == 0.0 or filtered >= LEAST_FILTER else UNBLURRED_LOBES
-    found = []
-    for first, end in packed.table("materials")["lobes"]:
-        kinds, features = table["kind"][first:end], table["features"][first:end]
-        if (kinds >= END_OF_KNOWN).any() or (features[kinds == LOBE_PRINCIPLED] & THIN).any():
-            found.append(0)
-            continue
-        simple = np.isin(kinds, followed).all() and not (features & (WITH_FACETS | WITH_SUBSURFACE)).any()
-        found.append(
-            CONNECTS
-            | CONNECTS_ALL * int(np.isin(kinds, BROAD_LOBES).all() or simple and filtered >= LEAST_FILTER)
-            | FOLLOW_DIFFUSE
-            | FOLLOW_ALL * int(simple)
-        )
-    return np.array(found, np.int64)
+    unknown = has((kinds >= END_OF_KNOWN) | (kinds == LOBE_PRINCIPLED) & (features & THIN != 0))
+    simple = ~has(~np.isin(kinds, followed) | (features & (WITH_FACETS | WITH_SUBSURFACE) != 0))
+    broad = ~has(~np.isin(kinds, BROAD_LOBES))
+    connects_all = broad | simple & (filtered >= LEAST_FILTER)
+    known = CONNECTS | CONNECTS_ALL * connects_all | FOLLOW_DIFFUSE | FOLLOW_ALL * simple
+    return np.where(unknown, 0, known).astype(np.int64)
 
 
 class LightPaths:

@@ -15,7 +15,7 @@ import numpy as np
 
 from ...frozen import frozen
 from ..film import Film
-from ..sample_allocation import gain_by_branches, golden_ratio_sequence, own_cost
+from ..sample_allocation import BranchGains, golden_ratio_sequence, own_cost
 from ..settings import Settings
 from .light_paths import LightPaths
 
@@ -144,27 +144,32 @@ def gain(without: Pilot, other: Pilot, splits: bool = True) -> float:
     return min(found)
 
 
-def reuse_potential(alone: Film, settings: Settings) -> float:
-    """The gain of path reuse, if branches did not scatter at all, by the samples of a film."""
-    return gain_by_branches(alone, settings, 0.0, 1.0)[0]
+class ReusePilot:
+    """What samples without path reuse, two or more of some pixels, tell of its gain."""
 
+    def __init__(self, alone: Film, settings: Settings):
+        self._alone, self._gains = alone, BranchGains(alone, settings)
 
-def reuse_gain(alone: Film, shared: Film, settings: Settings) -> tuple[float, int]:
-    """Error × time without path reuse over that with it, and the mean of the best numbers of branches with it. The
-    pixels that have a sample with it have two without: what these tell of the noise and time of a branch goes for all
-    pixels."""
-    rows = shared.count > 0
-    weights = np.where(rows, _weights(alone.squares[:, 2] / 2.0 + shared.squares[:, 2]), 0.0)
+    def potential(self) -> float:
+        """The gain, if branches did not scatter at all."""
+        return self._gains.of(0.0, 1.0)[0]
 
-    def branch(film: Film) -> tuple[float, float]:
-        """Its noise, and the surfaces that it meets."""
-        freedom = np.maximum(film.divided[:, 0] - film.count, 1.0)
-        branches, _, met, _, _ = film.divided[rows].sum(axis=0)
-        return float(weights @ (film.squares[:, 3] / freedom)), met / branches
+    def gain(self, shared: Film) -> tuple[float, int]:
+        """Error × time without path reuse over that with it, and the mean of the best numbers of branches with it. The
+        pixels that have a sample with it have two without: what these tell of the noise and time of a branch goes for
+        all pixels."""
+        alone, rows = self._alone, shared.count > 0
+        weights = np.where(rows, _weights(alone.squares[:, 2] / 2.0 + shared.squares[:, 2]), 0.0)
 
-    if not (shared.divided[:, 2].any() and alone.divided[rows, 2].any()):
-        return 0.0, 1
-    (noise, time), (noise_alone, time_alone) = branch(shared), branch(alone)
-    if not noise_alone > 0.0:
-        return 0.0, 1
-    return gain_by_branches(alone, settings, noise / noise_alone, time / time_alone)
+        def branch(film: Film) -> tuple[float, float]:
+            """Its noise, and the surfaces that it meets."""
+            freedom = np.maximum(film.divided[:, 0] - film.count, 1.0)
+            branches, _, met, _, _ = film.divided[rows].sum(axis=0)
+            return float(weights @ (film.squares[:, 3] / freedom)), met / branches
+
+        if not (shared.divided[:, 2].any() and alone.divided[rows, 2].any()):
+            return 0.0, 1
+        (noise, time), (noise_alone, time_alone) = branch(shared), branch(alone)
+        if not noise_alone > 0.0:
+            return 0.0, 1
+        return self._gains.of(noise / noise_alone, time / time_alone)

@@ -37,13 +37,12 @@ from .pilot import (
     WHOLE_GAIN,
     GainEstimate,
     Pilot,
+    ReusePilot,
     brought,
     gain,
     is_affordable,
     may_be_worthwhile,
     pilot_pixels,
-    reuse_gain,
-    reuse_potential,
 )
 from .pilot import SAMPLES as PILOT_SAMPLES
 
@@ -234,12 +233,13 @@ class CpuRenderer:
         connected = GainEstimate() if pixels is None else self._try_light_paths(light_paths, pixels, without, stop)
         if connected is None:
             return False
-        reused = GainEstimate() if rows is None else self._try_reuse(rows, without, stop)
+        alone = ReusePilot(without, self._settings) if rows is not None else None
+        reused = GainEstimate() if rows is None else self._try_reuse(rows, alone, stop)
         if reused is None:
             return False
         shared = GainEstimate()
         if connected.gain > 0.0 and reused.gain > LEAST_SHARED:
-            shared = self._share(rows, without, reused.step, stop, light_paths)
+            shared = self._share(rows, alone, reused.step, stop, light_paths)
             if shared is None:
                 return False
         best = max(shared, reused, key=lambda estimate: estimate.gain)
@@ -286,17 +286,17 @@ class CpuRenderer:
         least = GAIN if splits else WHOLE_GAIN
         return GainEstimate(brought(promise, light_paths.has_lamps()) if promise > least else 0.0)
 
-    def _try_reuse(self, rows: np.ndarray, without: Film, stop: Callable[[], bool]) -> GainEstimate | None:
+    def _try_reuse(self, rows: np.ndarray, alone: ReusePilot, stop: Callable[[], bool]) -> GainEstimate | None:
         """The gain of path reuse, by these rows of pixels; None if stopped before the end."""
         always = self._settings.path_reuse is PathReuse.ALWAYS
-        if not always and reuse_potential(without, self._settings) < LEAST_POTENTIAL:
+        if not always and alone.potential() < LEAST_POTENTIAL:
             return GainEstimate()
         step, found = 0, None
         for workspace in self._workspaces:
             workspace.arrivals()[:] = 0
         while step != (wanted := step_for(self._arrivals()) if step else MOST_STEP):
             step = wanted
-            found = self._share(rows, without, step, stop)
+            found = self._share(rows, alone, step, stop)
             if found is None:
                 return None
         return GainEstimate(np.inf, step, found.branches) if always else found
@@ -304,7 +304,7 @@ class CpuRenderer:
     def _share(
         self,
         rows: np.ndarray,
-        without: Film,
+        alone: ReusePilot,
         step: int,
         stop: Callable[[], bool],
         light_paths: LightPaths | None = None,
@@ -315,7 +315,7 @@ class CpuRenderer:
         self._reuse(0)
         if shared is None:
             return None
-        promise, branches = reuse_gain(without, shared, self._settings)
+        promise, branches = alone.gain(shared)
         of_lamps = light_paths is not None and light_paths.has_lamps()
         return GainEstimate(promise / SHARED_PROMISE if of_lamps else promise, step, branches)
 

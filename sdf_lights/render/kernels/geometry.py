@@ -8,6 +8,8 @@ stay in the mesh's local space and are transformed at the hit.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from ...affine import inverse, stretch
@@ -133,11 +135,11 @@ class _Rows:
 
     def __init__(self, dtype: np.dtype):
         self.dtype, self.parts, self.count = dtype, [], 0
+        self._base = dtype if dtype.fields is None else dtype.fields[dtype.names[0]][0].base
 
     def add(self, array: np.ndarray) -> int:
         """Append (rows, …) values. Returns the row at which they start."""
-        base = self.dtype if self.dtype.fields is None else self.dtype.fields[self.dtype.names[0]][0].base
-        flat = np.ascontiguousarray(array, base).reshape(len(array), int(np.prod(np.shape(array)[1:])))
+        flat = np.ascontiguousarray(array, self._base).reshape(len(array), math.prod(array.shape[1:]))
         self.parts.append(flat)
         start, self.count = self.count, self.count + len(flat)
         return start
@@ -314,7 +316,7 @@ def bounds_of(positions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         reduce(np.concatenate([*reduce(rows, axis=0).reshape(-1, 3)[None], positions[whole:]]), axis=0)
         if whole
         else reduce(positions, axis=0)
-        for reduce in (np.min, np.max)
+        for reduce in (np.minimum.reduce, np.maximum.reduce)
     )
     return low.astype(np.float64), high.astype(np.float64)
 

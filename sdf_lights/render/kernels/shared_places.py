@@ -16,7 +16,6 @@ import numpy as np
 _MOST_FACES = 1 << 16  # of a mesh whose faces are compared: boxes of finer ones are seldom flat, and it takes time
 _MOST_FACES_TOGETHER = 1 << 20
 _MOST_PAIRS = 1 << 18  # that are compared, in well under 0.1 s
-_TURN = 1 << 9  # pairs that take as long as one round of all
 _MOST_PLACES = 24  # of an instance; more are joined
 _MOST_OTHERS = 256  # meshes that are not compared, of which each has a box of its own here
 EVERYWHERE = np.array([[-3e38] * 3, [3e38] * 3])  # as a box
@@ -85,30 +84,38 @@ def _regions(corners: np.ndarray, owners: np.ndarray) -> tuple[np.ndarray, np.nd
     owners, axis, corners, low, high = owners[faces][order], axis[order], corners[order], low[order], high[order]
     rows = rows[:, None]
     flat = corners[rows[:, :, None], np.arange(3)[None, :, None], _ACROSS[axis][:, None]]
-    level, first, last = low[rows[:, 0], axis], flat[:, :, 0].min(1), flat[:, :, 0].max(1)
-    a, near = rows[:, 0], [(rows[:0, 0], rows[:0, 0])]
+    level, (first, left), (last, right) = low[rows[:, 0], axis], flat.min(1).T, flat.max(1).T
+    met = _following(axis, level, first, last)
     wide = np.zeros(len(axis), bool)
-    distance = pairs = 0
-    while len(a):
-        distance += 1
-        a = a[a + distance < len(axis)]
-        b = a + distance
-        together = (axis[a] == axis[b]) & (level[a] == level[b]) & (first[b] < last[a])
-        a, b = a[together], b[together]
-        pairs += len(a) + _TURN
-        if pairs > _MOST_PAIRS:  # all of these planes counts
-            wide = np.isin(level, level[a])
-            break
-        near.append((a, b))
-    a, b = (np.concatenate(parts) for parts in zip(*near))
+    pairs = np.cumsum(len(met) - np.cumsum(np.bincount(met, minlength=1)))  # within 1, 2, … places
+    if pairs[-1] > _MOST_PAIRS:
+        most = np.argmax(pairs > _MOST_PAIRS)
+        wide = np.isin(level, level[met > most])  # all of these planes counts
+        met = np.minimum(met, most)
+    a = np.repeat(rows[:, 0], met)
+    b = a + 1 + np.arange(len(a)) - np.repeat(np.cumsum(met) - met, met)
+    meet = (left[a] <= right[b]) & (left[b] <= right[a])  # along the second axis of the plane, too
+    a, b = a[meet], b[meet]
+    overlap = _overlap(flat[a], flat[b])
+    a, b = a[overlap], b[overlap]
     both = np.stack([np.maximum(low[a], low[b]), np.minimum(high[a], high[b])], 1)
-    hits = np.flatnonzero((both[:, 0] <= both[:, 1]).all(1))
-    hits = hits[_overlap(flat[a[hits]], flat[b[hits]])]
-    one, other, both = owners[a[hits]], owners[b[hits]], both[hits]
-    found = [(one, other, both), (other, one, both)]
+    found = [(owners[a], owners[b], both), (owners[b], owners[a], both)]
     found.append((owners[wide], owners[wide], np.stack([low[wide], high[wide]], 1)))
     here, there, places = (np.concatenate(parts) for parts in zip(*found))
     return here, there, places
+
+
+def _following(axis: np.ndarray, level: np.ndarray, first: np.ndarray, last: np.ndarray) -> np.ndarray:
+    """(faces,) how many of the next faces are in the same plane, and begin before the face ends. Faces are sorted by
+    plane, and by where they begin."""
+    number = np.arange(len(axis))
+    # Each end goes before what begins there, so that before it are all faces that begin earlier, and those of planes
+    # before.
+    order = np.lexsort((np.repeat([0, 1], len(axis)), np.append(last, first), np.tile(level, 2), np.tile(axis, 2)))
+    begins = order >= len(axis)
+    ends = np.empty_like(number)
+    ends[order[~begins]] = np.cumsum(begins)[~begins]
+    return np.maximum(ends - number - 1, 0)
 
 
 def _overlap(a: np.ndarray, b: np.ndarray) -> np.ndarray:

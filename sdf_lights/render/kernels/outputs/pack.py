@@ -44,7 +44,7 @@ def pack_outputs(
     }
     tables |= _groups(scene, film, emitters, instances) | _mattes(scene, film)
     tables |= vectors.pack_vectors(scene, bool(bits & VECTORS))
-    attributes = scene.looked_up()
+    attributes = scene.looked_up() if film.data_places else []
     scalars = {
         "outputs": bits,
         "background_moves": scene.background_moves,
@@ -67,6 +67,8 @@ def _groups(scene: Scene, film: Film, emitters: list[Emitter], instances: np.nda
     groups = {item.name: places[item.source] for item in scene.passes if item.source in places}
     empty = np.zeros(0, np.int64)
     tables = {"emitter_groups": empty, "instance_groups": empty, "emitter_passes": empty}
+    if not groups:
+        return tables
 
     def of_group(emitter: Emitter) -> int:
         return groups.get(light_group_pass(emitter.light_group).name, -1) if emitter.light_group else -1
