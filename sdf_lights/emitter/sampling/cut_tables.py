@@ -162,7 +162,8 @@ def pack_cuts(built: list[BuiltLamp], sources: list) -> dict[str, np.ndarray]:
 def _drawn(cells: np.ndarray, quick: bool) -> np.ndarray:
     """Cells from which points are drawn until one is inside. ``quick``: testing a point costs less than going further
     down; but only in small cells, because a point drawn again is not stratified in its cell."""
-    volume, size = cells["volume"], np.prod(cells["high"] - cells["low"], axis=1)
+    volume, (x, y, z) = cells["volume"], (cells["high"] - cells["low"]).T
+    size = x * y * z
     small = volume <= QUICK_PART * volume[:1]
     return (cells["direct"] != 0) | (quick & small & (volume >= QUICK_FILL * size))
 
@@ -170,4 +171,4 @@ def _drawn(cells: np.ndarray, quick: bool) -> np.ndarray:
 def _thickness(cells: np.ndarray) -> float:
     """Mean over the volume of the least side of a point's box, in tree space."""
     low, high, volume = (cells[name][cells["first"] < 0] for name in ("low", "high", "volume"))
-    return np.average((high - low).min(axis=1), weights=volume + 1e-300)
+    return np.average(functools.reduce(np.minimum, (high - low).T), weights=volume + 1e-300)

@@ -428,8 +428,8 @@ def _paths(wanted: float, most: int) -> int:
 
 
 def in_chunks(work: Callable[[Workspace, int, int], None], first: int, last: int, workspaces: list[Workspace]) -> None:
-    """Do the work for ``first`` to before ``last``, ``CHUNK`` at once, in a thread for each workspace; the first error
-    is raised here."""
+    """Do the work for ``first`` to before ``last``, ``CHUNK`` at once, with each workspace in a thread, the first one
+    in this thread; the first error is raised here."""
     starts, taking = iter(range(first, last, CHUNK)), threading.Lock()
 
     def take(workspace: Workspace) -> None:
@@ -440,6 +440,9 @@ def in_chunks(work: Callable[[Workspace, int, int], None], first: int, last: int
                 return
             work(workspace, start, min(start + CHUNK, last))
 
+    others = workspaces[1 : math.ceil((last - first) / CHUNK)]  # for few chunks, to start threads takes longer
     with ThreadPoolExecutor(len(workspaces)) as pool:
-        for done in [pool.submit(take, workspace) for workspace in workspaces]:
+        waiting = [pool.submit(take, workspace) for workspace in others]
+        take(workspaces[0])
+        for done in waiting:
             done.result()

@@ -291,15 +291,14 @@ class CpuRenderer:
         always = self._settings.path_reuse is PathReuse.ALWAYS
         if not always and alone.potential() < LEAST_POTENTIAL:
             return GainEstimate()
-        step, found = 0, None
         for workspace in self._workspaces:
             workspace.arrivals()[:] = 0
-        while step != (wanted := step_for(self._arrivals()) if step else MOST_STEP):
+        step, found = MOST_STEP, self._share(rows, alone, MOST_STEP, stop)
+        while found is not None and step != (wanted := step_for(self._arrivals())):
             step = wanted
-            found = self._share(rows, alone, step, stop)
-            if found is None:
-                return None
-        return GainEstimate(np.inf, step, found.branches) if always else found
+            if self._arrivals()["uneven"].any():  # else it is the same with any step
+                found = self._share(rows, alone, step, stop)
+        return None if found is None else GainEstimate(np.inf if always else found.gain, step, found.branches)
 
     def _share(
         self,
