@@ -14,10 +14,10 @@ import ctypes
 import functools
 import hashlib
 import inspect
-import mmap
 import pathlib
 import sys
 import threading
+from collections.abc import Set
 
 import numpy as np
 
@@ -374,21 +374,22 @@ def fill_table(block: np.ndarray, name: str, array: np.ndarray) -> None:
 _LINE = 128  # bytes: a cache line and its neighbour, which processors fetch together
 
 
-def new_tables(dtypes: dict[str, np.dtype], counts: dict[str, int]) -> dict[str, np.ndarray]:
-    """Tables of so many elements, all zero, in a separate piece of memory. Raises MemoryError if there is not enough.
+def new_tables(
+    dtypes: dict[str, np.dtype], counts: dict[str, int], uncleared: Set[str] = frozenset()
+) -> dict[str, np.ndarray]:
+    """Tables of so many elements, all zero but for the ``uncleared`` ones, in a separate piece of memory. Raises
+    MemoryError if there is not enough.
 
     They share no cache line with other tables, which may belong to another thread: two threads that write to one line
     slow each other down. Each table begins at a cache line, as Embree requires for rays.
     """
     sizes = {name: -(-count * dtypes[name].itemsize // _LINE) * _LINE for name, count in counts.items()}
-    try:
-        # Pages of memory from the system are zero as they are first used. Most of large tables are never used, and to
-        # clear them would take longer than all else here.
-        memory = np.frombuffer(mmap.mmap(-1, sum(sizes.values()) + _LINE), np.uint8)
-    except OSError as error:
-        raise MemoryError from error
-    tables, at = {}, 0
+    memory = np.empty(sum(sizes.values()) + _LINE, np.uint8)
+    tables, at = {}, -memory.ctypes.data % _LINE
     for name, count in counts.items():
-        tables[name] = memory[at : at + count * dtypes[name].itemsize].view(dtypes[name])
+        part = memory[at : at + count * dtypes[name].itemsize]
+        if name not in uncleared:
+            part[:] = 0
+        tables[name] = part.view(dtypes[name])
         at += sizes[name]
     return tables

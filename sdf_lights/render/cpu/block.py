@@ -50,6 +50,10 @@ from ..settings import LampSampling
 from ..strands import has_strands
 from .accelerator import accelerator_of
 
+# Large tables of which kernels read only what they have written: boxes of regions that have keys, and as many closures
+# as a surface has. To clear them would take longer than the rest of the set-up of many scenes.
+UNCLEARED = frozenset({"lamp_boxes", "closures"})
+
 
 class PackedScene:
     """A scene in the form that kernels read: ``block`` (one record) and everything that it points to.
@@ -326,7 +330,7 @@ class Workspace:
             **packed.output_counts,
             **lamp_tree.workspace_counts(len(packed.lamps)),
         }
-        self._tables = new_tables({name: WORKSPACE_TABLES[name] for name in counts}, counts)
+        self._tables = new_tables({name: WORKSPACE_TABLES[name] for name in counts}, counts, UNCLEARED)
         self.block = np.zeros(1, WORKSPACE)
         for name, array in self._tables.items():
             fill_table(self.block, name, array)
@@ -349,9 +353,8 @@ def _point_workspaces() -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Workspaces for the points of path reuse and for the arrival as they see it, and the tables that they share."""
     blocks = np.zeros(2 * path_reuse_records.GROUP, WORKSPACE)
     counts = {name: shading.WORKSPACE_COUNTS[name] for name in ("surface", "closures")}
-    tables = new_tables(
-        {name: WORKSPACE_TABLES[name] for name in counts}, {name: len(blocks) * count for name, count in counts.items()}
-    )
+    dtypes = {name: WORKSPACE_TABLES[name] for name in counts}
+    tables = new_tables(dtypes, {name: len(blocks) * count for name, count in counts.items()}, UNCLEARED)
     for name, array in tables.items():
         blocks[name + "_address"] = array.ctypes.data + counts[name] * array.itemsize * np.arange(len(blocks))
         blocks[name + "_count"] = counts[name]
