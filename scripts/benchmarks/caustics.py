@@ -43,9 +43,13 @@ def _ball() -> None:
     add("Thing", turned("Thing", profile, 128), _glass(), location=(0.1, 0.1, 0.45))
 
 
-def _ring() -> None:
-    metal = simple_scenes.material("Metal", "ShaderNodeBsdfAnisotropic", (0.9, 0.8, 0.6), roughness=0.0)
+def _ring(roughness: float = 0.0) -> None:
+    metal = simple_scenes.material("Metal", "ShaderNodeBsdfAnisotropic", (0.9, 0.8, 0.6), roughness=roughness)
     add("Thing", turned("Thing", [(0.45, 0.0), (0.45, 0.4)], 256), metal, location=(0.0, 0.1, 0.01))
+
+
+def _brushed() -> None:
+    _ring(0.3)
 
 
 def _water() -> None:
@@ -57,7 +61,7 @@ def _water() -> None:
     add("Thing", mesh, _glass(), location=(0.2, 0.2, 0.0))
 
 
-THINGS = dict(ball=_ball, ring=_ring, water=_water)
+THINGS = dict(ball=_ball, ring=_ring, brushed=_brushed, water=_water)
 LAMPS = dict(small=0.03, large=0.3, huge=0.8)  # radius in metres
 SCENES = tuple(f"{thing}_{lamp}" for thing in THINGS for lamp in LAMPS)
 

@@ -49,7 +49,7 @@ from .pilot import SAMPLES as PILOT_SAMPLES
 TILE = 32
 POLL_SECONDS = 0.05
 # Of pixels whose samples tell the noise that is not that of caustics: part, and most.
-CAUSTIC_PART, CAUSTIC_PIXELS = 0.125, 1 << 13
+CAUSTIC_PART, CAUSTIC_PIXELS = 0.0625, 1 << 13
 GRACE_SECONDS = 0.2  # seconds for a cancelled build to end
 
 

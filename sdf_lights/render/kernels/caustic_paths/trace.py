@@ -273,8 +273,8 @@ def _is_mirror(block, workspace):
 
 @kernel
 def find_mirrors(block, workspace, instance, primitives, corners, found):
-    """``found`` (n,): 1 where triangles of an instance are mirrors, sharp glass or narrow lobes from either side, at the weights
-    ``corners`` (n, 2) of their second and third corner."""
+    """``found`` (n,): 1 where triangles of an instance are mirrors, sharp glass or narrow lobes from either side, at
+    the weights ``corners`` (n, 2) of their second and third corner."""
     scene, scratch = block[0], workspace[0]
     surface = surface_table(scratch)[0]
     for index in range(len(primitives)):
