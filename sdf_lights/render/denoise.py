@@ -12,7 +12,6 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from .errors import RenderError
-from .film import Film
 from .libraries import load_denoise
 
 POLL_SECONDS = 0.05
@@ -94,15 +93,22 @@ class _Denoiser:
         finally:
             self._api.oidnReleaseFilter(handle)
 
-    def denoise(self, color: np.ndarray, guides: dict[str, np.ndarray]) -> np.ndarray | None:
-        """``color`` (height, width, 3) denoised with guides that are first denoised separately. The library's
-        documentation recommends this for noisy guides: lens blur, rough glass."""
-        clean = {}
+    def denoise(self, colors: list[np.ndarray], guides: dict[str, np.ndarray]) -> list[np.ndarray] | None:
+        """Each of ``colors`` (height, width, 3) denoised with guides that are first denoised separately. The library's
+        documentation recommends this for noisy guides: lens blur, rough glass. None if cancelled."""
+        clean: dict[str, np.ndarray] = {}
         for name, guide in guides.items():
-            clean[name] = self.filter({name: guide})
-            if clean[name] is None:
+            found = self.filter({name: guide})
+            if found is None:
                 return None
-        return self.filter({"color": color, **clean}, hdr=True, cleanAux=bool(clean))
+            clean[name] = found
+        results: list[np.ndarray] = []
+        for color in colors:
+            found = self.filter({"color": color, **clean}, hdr=True, cleanAux=bool(clean))
+            if found is None:
+                return None
+            results.append(found)
+        return results
 
 
 @contextlib.contextmanager
@@ -120,25 +126,37 @@ def denoise(
     normal: np.ndarray | None = None,
     cancelled: Callable[[], bool] = lambda: False,
 ) -> np.ndarray | None:
-    """Denoised picture (H, W, 3) float32; None if cancelled.
+    """Denoised picture (H, W, 3) float32; None if cancelled. See ``denoise_each``."""
+    found = denoise_each([color], albedo, normal, cancelled)
+    return None if found is None else found[0]
 
-    ``color``: (H, W, 3) scene-linear radiance; ``albedo`` in [0, 1] and ``normal`` in [−1, 1] of the same shape guide
+
+def denoise_each(
+    colors: list[np.ndarray],
+    albedo: np.ndarray | None = None,
+    normal: np.ndarray | None = None,
+    cancelled: Callable[[], bool] = lambda: False,
+) -> list[np.ndarray] | None:
+    """Denoised pictures (H, W, 3) float32, each by itself; None if cancelled.
+
+    ``colors``: (H, W, 3) scene-linear radiance; ``albedo`` in [0, 1] and ``normal`` in [−1, 1] of the same shape guide
     the filter; the library uses normals only together with albedo. The calling thread polls ``cancelled`` while another
     thread filters. Raises RenderError if the library is missing or fails.
     """
-    color = np.ascontiguousarray(color, np.float32)
+    colors = [np.ascontiguousarray(color, np.float32) for color in colors]
     guides = {"albedo": albedo, "normal": normal} if albedo is not None else {}
     guides = {name: np.ascontiguousarray(guide, np.float32) for name, guide in guides.items() if guide is not None}
-    if any(array.shape != color.shape for array in guides.values()) or color.ndim != 3 or color.shape[2] != 3:
-        raise ValueError(f"colour and guides must all be (height, width, 3), not {color.shape}")
-    if color.size == 0:
-        return color
+    shape = colors[0].shape
+    if any(array.shape != shape for array in (*colors, *guides.values())) or len(shape) != 3 or shape[2] != 3:
+        raise ValueError(f"colours and guides must all be (height, width, 3), not {shape}")
+    if colors[0].size == 0:
+        return colors
     with _denoiser() as denoiser:
         outcome: list = [None, None]
 
         def work() -> None:
             try:
-                outcome[0] = denoiser.denoise(color, guides)
+                outcome[0] = denoiser.denoise(colors, guides)
             except Exception as error:
                 outcome[1] = error
 
@@ -158,17 +176,3 @@ def denoise(
     if error is not None:
         raise error
     return result
-
-
-def denoise_film(film: Film, cancelled: Callable[[], bool] = lambda: False) -> None:
-    """Replace the film's Combined pass by a denoised one, unless cancelled; Noisy Image keeps the original."""
-    result = denoise(
-        film.read("Noisy Image")[..., :3], film.read("Denoising Albedo"), film.read("Denoising Normal"), cancelled
-    )
-    if result is not None and film.catches:
-        shadow = denoise(film.read("Shadow Catcher"), cancelled=cancelled)
-        if shadow is None:
-            return
-        film.replace_shadow(shadow)
-    if result is not None:
-        film.replace_combined(result)

@@ -46,7 +46,8 @@ LEAST_SAMPLES = 2 * HALF_BIT
 
 # Kinds of samples that are not finite; each pixel has a count of each.
 DISCARDED = ("NaN", "infinite")
-DENOISED_BYTES = 4 * (4 + 3 + 3 + 3)  # of a pixel: the picture, its guides, and the result
+# Of a pixel: the picture, its guides, light seen directly and all else, both denoised, and the result.
+DENOISED_BYTES = 4 * (4 + 3 + 3 + 3 + 3 + 3 + 3 + 3)
 CAUSTIC_BYTES = 2 * 3 * 8  # of a pixel: the sums of caustic paths, and the picture of a set
 DIVIDED, SQUARES = 5, 4  # sums about the cost of branches, and the scatter of samples
 GREATEST = float(np.finfo(np.float32).max)  # largest number for a pixel of a pass
@@ -117,7 +118,7 @@ class Film:
         self.made_by = ""
         names = {"Combined", *passes}
         if scene.settings.denoise:
-            names |= {"Denoising Albedo", "Denoising Normal"}
+            names |= {"Denoising Albedo", "Denoising Normal", "Emission"}
         self._table = BY_NAME | {item.name: item for item in scene.passes}
         self.passes = tuple(name for name in self._table if name in names)
         chosen = [self._table[name] for name in self.passes]
@@ -333,6 +334,20 @@ class Film:
         shape = (self.height, self.width)
         mean, half = self.light()
         return mean.sum(axis=1).reshape(shape), np.abs(mean - half).sum(axis=1).reshape(shape)
+
+    def variances(self) -> tuple[np.ndarray, np.ndarray]:
+        """Two estimates of the variance of each pixel of Noisy Image (height, width), as sums over RGB.
+
+        By the difference of the halves, as in ``_errors``: without bias, but of one pair. By the scatter of samples, as
+        if they were independent: surer, but too large where samples are stratified. Neither knows the noise of caustic
+        paths. With fewer than ``LEAST_SAMPLES`` samples the first is too large.
+        """
+        mean, half = self.light()
+        total, count = self.squares[:, 2], np.maximum(self.count, 1)
+        # Of the sum of RGB: of a grey pixel, three times the sum of the variances.
+        scatter = np.maximum(self.squares[:, 1] - total**2 / count, 0.0) / (count * np.maximum(count - 1, 1)) / 3.0
+        found = ((mean - half) ** 2).sum(axis=1), scatter
+        return tuple(self.exposure**2 * each.reshape(self.height, self.width) for each in found)
 
     def noise(self) -> float | None:
         """Estimated relative error of the picture: Σ |error| / Σ brightness over its pixels. None if there are too few

@@ -21,7 +21,7 @@ import numpy as np
 from ..frozen import frozen
 from ..interruption import Interrupted, Watch, watched
 from . import sample_allocation
-from .denoise import denoise_film
+from .denoised_film import denoise_film
 from .errors import RenderError
 from .film import Film
 from .interfaces import InteractiveBackEnd

@@ -187,7 +187,7 @@ def _render(
         scene.warnings.append(discarded)
     if settings.denoise and not cancelled():
         on_progress(Progress("Denoising", 1.0, film.samples, memory=process_memory(), noise=film.noise()))
-        from .denoise import denoise_film
+        from .denoised_film import denoise_film
 
         try:
             denoise_film(film, cancelled)

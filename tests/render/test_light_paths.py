@@ -104,6 +104,24 @@ def test_ranges_of_samples_are_one_render(ends):
     assert not np.allclose(parts[1], parts[2], rtol=1e-2)  # no two have the same samples
 
 
+def test_denoised_pictures_have_more_light_paths(monkeypatch):
+    """A denoiser cannot see the noise that all pixels share."""
+    connect, numbers = light_paths.LightPaths._connect, []
+
+    def counting(self, number: int, paths: int, connections: int) -> None:
+        numbers.append(paths)
+        connect(self, number, paths, connections)
+
+    monkeypatch.setattr(light_paths.LightPaths, "_connect", counting)
+    totals = []
+    for denoise in (False, True):
+        picture(ALWAYS, denoise=denoise)
+        totals.append(sum(numbers))
+        numbers.clear()
+    pixels = SIZE[0] * SIZE[1]
+    assert totals[0] < 2 * pixels and totals[1] == 8 * pixels
+
+
 @pytest.mark.slow
 def test_ranges_that_choose_light_paths_themselves_have_no_bias():
     """Each range tries light paths by its own samples. The mean of four ranges is that of renders without light paths,

@@ -8,8 +8,9 @@ import time
 import numpy as np
 import pytest
 
-from sdf_lights.render.denoise import denoise, denoise_film
-from sdf_lights.render.film import Film
+from sdf_lights.render.denoise import denoise, denoise_each
+from sdf_lights.render.denoised_film import denoise_film, drawn_back
+from sdf_lights.render.film import HALF_BIT, LEAST_SAMPLES, Film
 from sdf_lights.render.scene import Camera, Scene
 from sdf_lights.render.settings import Settings
 
@@ -98,7 +99,14 @@ def test_shapes_are_checked():
         denoise(np.zeros((4, 4, 3)), np.zeros((4, 5, 3)))
 
 
-def test_film():
+def test_pictures_are_denoised_each_by_itself():
+    _, noisy, albedo, normal = picture(48, 64)
+    other = 3.0 * picture(48, 64, 1)[1]
+    for found, color in zip(denoise_each([noisy, other], albedo, normal), (noisy, other)):
+        np.testing.assert_array_equal(found, denoise(color, albedo, normal))
+
+
+def test_a_film_of_few_samples():
     clean, noisy, albedo, normal = picture(64, 96)
     film = Film(Scene(Camera(np.eye(4)), 96, 64, settings=Settings(denoise=True, exposure=2.0)))
     film.count[:] = 4
@@ -111,3 +119,62 @@ def test_film():
     np.testing.assert_allclose(film.read("Noisy Image")[..., :3], 2.0 * noisy, rtol=1e-6)
     assert relative_error(combined[..., :3], 2.0 * clean) < 0.25 * relative_error(2.0 * noisy, 2.0 * clean)
     np.testing.assert_array_equal(combined[..., 3], np.float32(0.75))
+
+
+def sampled(height, width, samples, seen=None, scatter=1.4):
+    """A film of so many samples that scatter about ``picture``, to which ``seen`` (height, width) is added as light
+    that the camera sees directly; and the clean picture. ``scatter``: relative standard deviation of a sample."""
+    clean, _, albedo, normal = picture(height, width)
+    seen = np.zeros((height, width)) if seen is None else seen
+    film = Film(Scene(Camera(np.eye(4)), width, height, settings=Settings(denoise=True)))
+    rng = np.random.default_rng(0)
+    values = clean * rng.gamma(scatter**-2, scatter**2, (samples, height, width, 1)) + seen[..., None]
+    half = (np.arange(samples) & HALF_BIT) != 0
+    film.count[:] = film.surfaces[:] = samples
+    film.sums["combined"].reshape(height, width, 4)[..., :3] = values.sum(axis=0)
+    film.sums["half"][:] = values[half].sum(axis=0).ravel()
+    film.sums["emission"].reshape(height, width, 3)[:] = samples * seen[..., None]
+    film.sums["albedo"][:], film.sums["normal"][:] = samples * albedo.ravel(), samples * normal.ravel()
+    whole = values.sum(axis=3)
+    film.squares[:, 1], film.squares[:, 2] = (whole**2).sum(axis=0).ravel(), whole.sum(axis=0).ravel()
+    return film, clean + seen[..., None]
+
+
+def test_light_that_the_camera_sees_directly_stays_sharp():
+    seen = np.zeros((64, 96))
+    seen[20:24, 30:50], seen[24, 30:50], seen[40, ::7] = 500.0, 150.0, 300.0
+    film, clean = sampled(64, 96, LEAST_SAMPLES, seen)
+    noisy = film.read("Noisy Image")[..., :3]
+    denoise_film(film)
+    error = [np.sqrt(np.mean((each - clean)[seen > 0.0] ** 2)) for each in (film.read("Combined")[..., :3], noisy)]
+    of_one = denoise(noisy, film.read("Denoising Albedo"), film.read("Denoising Normal"))
+    assert error[0] < 2.0 * error[1] < 0.2 * np.sqrt(np.mean((of_one - clean)[seen > 0.0] ** 2))
+    dark = seen == 0.0
+    errors = [np.sqrt(np.mean((each - clean)[dark] ** 2)) for each in (film.read("Combined")[..., :3], noisy)]
+    assert errors[0] < 0.3 * errors[1]
+
+
+def test_with_many_samples_the_picture_converges():
+    errors, alone = [], []
+    for scatter in (0.1, 0.02):  # 25 times as many samples leave as much noise
+        film, clean = sampled(48, 64, 256, scatter=scatter)
+        guides = film.read("Denoising Albedo"), film.read("Denoising Normal")
+        alone.append(relative_error(denoise(film.read("Noisy Image")[..., :3], *guides), clean))
+        denoise_film(film)
+        errors.append(relative_error(film.read("Combined")[..., :3], clean))
+    assert errors[0] < 0.6 * alone[0]
+    assert errors[1] < 0.3 * errors[0] and alone[1] > 0.8 * alone[0]
+
+
+def test_few_samples_are_left_to_the_denoiser():
+    film, _ = sampled(48, 64, LEAST_SAMPLES)
+    alone = denoise(film.read("Noisy Image")[..., :3], film.read("Denoising Albedo"), film.read("Denoising Normal"))
+    denoise_film(film)
+    changed = np.any(film.read("Combined")[..., :3] != alone, axis=2)
+    assert changed.mean() < 0.02
+
+
+def test_what_noise_explains_is_not_drawn_back():
+    denoised, noisy = np.zeros((1, 4, 3)), np.array([[[1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 0.0, 10.0], [0.0] * 3]])
+    found = drawn_back(denoised, noisy, np.array([[1.0, 1.0, 1.0, 0.0]]))
+    np.testing.assert_allclose(found[0], [[0.0] * 3, [1.5, 0.0, 0.0], [0.0, 0.0, 9.9], [0.0] * 3], rtol=1e-6)

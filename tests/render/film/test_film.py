@@ -268,6 +268,18 @@ def test_threshold_is_of_the_exposed_picture():
         assert film.update_active(0.495) and not film.update_active(0.505)
 
 
+def test_variances_are_those_of_the_picture():
+    film = new_film((), width=64, height=64, exposure=2.0)
+    samples = random_samples(2 * LEAST_SAMPLES, film)
+    samples["combined"] = samples["combined"][..., :1]  # grey
+    samples["divided"] = samples["branches"] = 0
+    add(film, samples)
+    expected = 3.0 * film.exposure**2 / len(samples)  # of numbers whose variance is 1
+    for estimate in film.variances():
+        assert estimate.shape == (64, 64)
+        assert estimate.mean() == pytest.approx(expected, rel=0.1)
+
+
 def test_an_unlit_picture_has_no_noise_and_stops():
     film = new_film(())
     samples = np.zeros((LEAST_SAMPLES, WIDTH * HEIGHT), path.SAMPLE)
