@@ -4,12 +4,15 @@
 
 A denoiser takes away noise, but leaves an error of its own, which more samples do not reduce. Two things limit it:
 
-- Light that the camera sees directly (the pass Emission) is denoised apart from all other light. A lamp may be
+- Light that the camera sees directly (the pass Emission) may be added after all other light was denoised. A lamp may be
   thousands of times as bright as what stands beside it. If its edge is blurred by a part of a pixel, this is more than
   all noise of the picture.
-- Where the result is farther from the noisy picture than noise explains, it is drawn back to that: the estimator of
-  James and Stein (1961), as Gu, Iglesias-Guitian and Moon (2022), "Neural James-Stein Combiner for Unbiased and Biased
-  Renderings", use it for such a pair of pictures. So with many samples the picture converges.
+- The noisy picture is used where noise does not explain how far it is from the denoised one. So with many samples the
+  picture converges.
+
+Both choose between two pictures of a pixel, one with less noise and one with less bias. The estimator of James and
+Stein (1961) shrinks the second towards the first: Gu, Iglesias-Guitian and Moon (2022), "Neural James-Stein Combiner
+for Unbiased and Biased Renderings".
 """
 
 from __future__ import annotations
@@ -46,29 +49,28 @@ def _denoised(film: Film, cancelled: Callable[[], bool]) -> np.ndarray | None:
     # Shadow catchers show other light than the samples scatter about.
     if film.catches or not (film.count >= LEAST_SAMPLES).any():
         return denoise(noisy, *guides, cancelled)
-    found = denoise_each([noisy - seen, seen] if seen.any() else [noisy], *guides, cancelled)
+    found = denoise_each([noisy, noisy - seen] if seen.any() else [noisy], *guides, cancelled)
     if found is None:
         return None
-    result = found[0]
+    result, *rest = found
     halves, scatter = film.variances()
-    if seen.any():
-        # Noise of all light of the pixel: the lamp is most of it where it is seen. Edges of lamps are stratified well,
-        # so the scatter of samples is much too large there.
-        result = result + drawn_back(found[1], seen, halves)
-    if len(film.caustics):
+    if rest:
+        # The noise of all light counts, as nearly all of it is the lamp's where one is seen. Not the scatter of
+        # samples: edges of lamps are stratified well, so it is much too large there.
+        result = shrunk(rest[0] + seen, result, halves)
+    if len(film.caustics):  # the variance does not have their noise
         return result
     variance = np.maximum(halves, scatter)
     # A pixel whose samples have missed rare light knows nothing of that noise, but its neighbours do.
-    return drawn_back(result, noisy, DEVIATIONS**2 * np.maximum(variance, _smoothed(variance)))
+    return shrunk(noisy, result, DEVIATIONS**2 * np.maximum(variance, _smoothed(variance)))
 
 
-def drawn_back(denoised: np.ndarray, noisy: np.ndarray, variance: np.ndarray) -> np.ndarray:
-    """d + max(0, 1 − v / |n − d|²) (n − d), of pictures d and n (height, width, RGB) and the variance v (height, width)
-    of n, a sum over RGB: the positive part of the estimator of James and Stein, which takes ``denoised`` as the
-    mean."""
+def shrunk(noisy: np.ndarray, denoised: np.ndarray, variance: np.ndarray) -> np.ndarray:
+    """d + max(0, 1 − v / |n − d|²) (n − d), of pictures n and d (height, width, RGB) and the variance v (height, width)
+    of n, a sum over RGB: the positive part of the estimator of James and Stein."""
     difference = noisy - denoised
     square = (difference**2).sum(axis=2)
-    kept = 1.0 - np.divide(variance, square, out=np.ones_like(square, np.float64), where=square > 0.0)
+    kept = 1.0 - np.divide(variance, square, out=np.ones_like(variance), where=square > 0.0)
     return (denoised + np.maximum(kept, 0.0)[..., None] * difference).astype(np.float32)
 
 

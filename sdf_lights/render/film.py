@@ -46,8 +46,9 @@ LEAST_SAMPLES = 2 * HALF_BIT
 
 # Kinds of samples that are not finite; each pixel has a count of each.
 DISCARDED = ("NaN", "infinite")
-# Of a pixel: the picture, its guides, light seen directly and all else, both denoised, and the result.
-DENOISED_BYTES = 4 * (4 + 3 + 3 + 3 + 3 + 3 + 3 + 3)
+# Of a pixel: the picture, its guides, light seen directly, the rest, both that and the picture denoised, and the
+# result.
+DENOISED_BYTES = 4 * (4 + 7 * 3)
 CAUSTIC_BYTES = 2 * 3 * 8  # of a pixel: the sums of caustic paths, and the picture of a set
 DIVIDED, SQUARES = 5, 4  # sums about the cost of branches, and the scatter of samples
 GREATEST = float(np.finfo(np.float32).max)  # largest number for a pixel of a pass
