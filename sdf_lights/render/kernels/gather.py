@@ -131,12 +131,13 @@ def gather_lamps(block, workspace, t_to):
         weight = _lamp_mis(block, workspace, lamp, count)
         shared = False
         if block.caustic_paths and path.transparent == 0 and (path.caustic > 1 or path.caustic == BY_LOBE):
-            shared = block.reuses_paths and path.reused == ONWARD and caustic_density(block)[lamp] > 0.0
+            if block.reuses_paths and path.reused == ONWARD:
+                shared = caustic_density(block)[lamp] > 0.0
             if not shared:
                 weight *= caustic_paths.left_to_path(block, workspace, lamp, count, t_to)
         before = vec(sample_table(workspace)[0].combined)
         contribute(block, workspace, radiance, weight, lamp, path.bounce)
-        if shared:  # each point of the group leaves another part of it to caustic paths
+        if block.caustic_paths and block.reuses_paths and shared:  # each point of the group leaves another part of it to caustic paths
             put_sum(arrival_table(workspace)[0].crossed, sub(vec(sample_table(workspace)[0].combined), before))
 
 
