@@ -62,14 +62,19 @@ def _denoised(film: Film, cancelled: Callable[[], bool]) -> np.ndarray | None:
         return result
     variance = np.maximum(halves, scatter)
     # A pixel whose samples have missed rare light knows nothing of that noise, but its neighbours do.
-    return shrunk(noisy, result, DEVIATIONS**2 * np.maximum(variance, _smoothed(variance)))
+    return shrunk(noisy, result, DEVIATIONS**2 * np.maximum(variance, _smoothed(variance)), doubts_dots=True)
 
 
-def shrunk(noisy: np.ndarray, denoised: np.ndarray, variance: np.ndarray) -> np.ndarray:
+def shrunk(noisy: np.ndarray, denoised: np.ndarray, variance: np.ndarray, doubts_dots: bool = False) -> np.ndarray:
     """d + max(0, 1 − v / |n − d|²) (n − d), of pictures n and d (height, width, RGB) and the variance v (height, width)
-    of n, a sum over RGB: the positive part of the estimator of James and Stein."""
+    of n, a sum over RGB: the positive part of the estimator of James and Stein.
+
+    ``doubts_dots``: |n − d|² is at most its mean over 3 × 3 pixels, so one that differs alone is taken for noise.
+    """
     difference = noisy - denoised
     square = (difference**2).sum(axis=2)
+    if doubts_dots:
+        square = np.minimum(square, _smoothed(square))
     kept = 1.0 - np.divide(variance, square, out=np.ones_like(variance), where=square > 0.0)
     return (denoised + np.maximum(kept, 0.0)[..., None] * difference).astype(np.float32)
 

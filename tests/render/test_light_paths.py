@@ -105,7 +105,7 @@ def test_ranges_of_samples_are_one_render(ends):
 
 
 def test_denoised_pictures_have_more_light_paths(monkeypatch):
-    """A denoiser cannot see the noise that all pixels share."""
+    """A denoiser cannot see the noise that all pixels share. The first samples have most of them."""
     connect, numbers = light_paths.LightPaths._connect, []
 
     def counting(self, number: int, paths: int, connections: int) -> None:
@@ -120,6 +120,9 @@ def test_denoised_pictures_have_more_light_paths(monkeypatch):
         numbers.clear()
     pixels = SIZE[0] * SIZE[1]
     assert totals[0] < 2 * pixels and totals[1] == 8 * pixels
+    monkeypatch.setattr(light_paths, "DENOISED_SAMPLES", 4 * pixels)
+    picture(ALWAYS, denoise=True)
+    assert 4 * pixels < sum(numbers) < 5 * pixels
 
 
 @pytest.mark.slow

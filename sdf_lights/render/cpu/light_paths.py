@@ -62,9 +62,11 @@ from .block import PackedScene, Workspace
 
 # Samples of pixels for each light path of a pass, which takes about 4 % of the time of these samples; pixels for each
 # light path of the tree. The tree does not depend on the number of samples, so ranges of samples have the tree of the
-# whole. A pilot has fewer of both. A denoised picture has more of the first: all pixels share their noise, which a
-# denoiser cannot see.
-SHARED, TREE_SHARED, DENOISED_SHARED = 8, 1, 1
+# whole. A pilot has fewer of both.
+SHARED, TREE_SHARED = 8, 1
+# Samples of a denoised picture that have a light path each, the first ones. All pixels share the noise of light paths,
+# so a denoiser cannot see it, and with few light paths it is what is left.
+DENOISED_SAMPLES = 1 << 16
 PILOT_SHARED, PILOT_TREE_SHARED = 16, 8
 MOST_PATHS, MOST_TREE_PATHS = 16384, 8192
 PILOT_NUMBER = 1 << 30  # of light paths: beyond those of samples
@@ -274,7 +276,7 @@ class LightPaths:
         self._width = vertices_of(scene, packed)
         x0, y0, x1, y1 = scene.border or (0, 0, scene.width, scene.height)
         self._pixels = (x1 - x0) * (y1 - y0)
-        self._shared = DENOISED_SHARED if scene.settings.denoise else SHARED
+        self._own = DENOISED_SAMPLES if scene.settings.denoise else 0
         self._scalars = self._settled()
         self._fixed: dict[str, np.ndarray] = {}
         self._aimed = False
@@ -292,12 +294,14 @@ class LightPaths:
         """
         offset = self._scene.settings.sample_offset
         number, size = sample + offset, 1
-        while 2 * size <= min(number, LARGEST_BATCH, MOST_PATHS * self._shared // self._pixels):
+        power = 1 << number.bit_length() >> 1  # no set has one within: the greatest power of two up to ``number``
+        shared = 1 if power * self._pixels < self._own else SHARED
+        while 2 * size <= min(number, LARGEST_BATCH, MOST_PATHS * shared // self._pixels):
             size *= 2
         first = number - number % size
         if self._connected != first:  # a range may begin inside a set, and take it in several batches
             self._build(TREE_SHARED)
-            self._connect(first + 1, _paths(self._pixels * size / self._shared, MOST_PATHS), CONNECTIONS)
+            self._connect(first + 1, _paths(self._pixels * size / shared, MOST_PATHS), CONNECTIONS)
             self._connected = first
         return first + size - offset
 

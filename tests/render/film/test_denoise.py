@@ -178,3 +178,12 @@ def test_what_noise_explains_is_shrunk_to_nothing():
     denoised, noisy = np.zeros((1, 4, 3)), np.array([[[1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 0.0, 10.0], [0.0] * 3]])
     found = shrunk(noisy, denoised, np.array([[1.0, 1.0, 1.0, 0.0]]))
     np.testing.assert_allclose(found[0], [[0.0] * 3, [1.5, 0.0, 0.0], [0.0, 0.0, 9.9], [0.0] * 3], rtol=1e-6)
+
+
+def test_a_dot_is_taken_for_noise():
+    noisy, denoised, variance = np.zeros((7, 7, 3)), np.zeros((7, 7, 3)), np.full((7, 7), 1.0)
+    noisy[3, 3] = 1.0
+    assert shrunk(noisy, denoised, variance)[3, 3, 0] > 0.5
+    assert not shrunk(noisy, denoised, variance, doubts_dots=True).any()
+    noisy[3, :] = 1.0
+    assert shrunk(noisy, denoised, variance, doubts_dots=True)[3, 3, 0] > 0.3
