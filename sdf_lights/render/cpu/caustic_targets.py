@@ -91,8 +91,8 @@ def find_targets(
 
 
 def put_lines(targets: np.ndarray, chances: np.ndarray, sources: Sources, paths: int) -> None:
-    """Fill ``lines`` and ``lamp_pdf`` of the targets, for so many paths of a set, which are aimed by ``chances`` (lamps,
-    targets)."""
+    """Fill ``lines`` and ``lamp_pdf`` of the targets, for so many paths of a set, which are aimed by ``chances``
+    (lamps, targets)."""
     part = sources.powers / sources.powers.sum()
     apart = np.linalg.norm(targets["position"][None] - sources.centers[:, None], axis=2)
     aimed = (1.0 - UNAIMED) * chances / (4.0 * np.pi * _seen(targets["position"], targets["radius"], sources.centers))

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Caustic paths: from points of SDF lamps, aimed at mirrors, glass and narrow lobes, on to surfaces that are seen by the camera.
+"""Caustic paths: from points of SDF lamps, aimed at mirrors, glass and narrow lobes, on to surfaces that are seen by
+the camera.
 
 A camera ray through the place of the picture where the surface is tells whether it is seen, and shades it as for paths
 from the camera. With the flux Φ that comes along −ω, the value of a pixel grows by

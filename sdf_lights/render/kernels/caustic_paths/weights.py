@@ -36,9 +36,9 @@ from ..workspace import secondary_table, spans_of
 from .lobes import has_narrow_lobe, ratio_of_lobe, weight_of
 from .records import (
     BY_LOBE,
-    NARROW,
     MAY_DIFFER,
     MOST_MIRRORS,
+    NARROW,
     UNAIMED,
     UNKNOWN,
     chance_table,

@@ -208,7 +208,9 @@ def shade_arrival(block, workspace, number):
     """Shade the arrival as the point sees it, in the second workspace."""
     arrival, point = arrival_table(workspace)[0], point_table(workspace)[number]
     secondary = secondary_table(workspace)[0]
-    footprint = length(sub(vec(arrival.position), vec(point.position))) * block.camera_pixel_angle + block.camera_pixel_width
+    footprint = (
+        length(sub(vec(arrival.position), vec(point.position))) * block.camera_pixel_angle + block.camera_pixel_width
+    )
     surface_at(
         block,
         surface_table(secondary)[0],
@@ -278,8 +280,8 @@ def evaluate_arrival(block, workspace, x, y, z, kinds, ray):
     """As ``shading.evaluate`` for the direction (x, y, z), of the mixture: f̄ |cos| (RGB), p̄, and the part of that
     from lobes.
 
-    ``ray`` is BY_LIGHT or BY_LAMP for a light ray, or the kind of the ray that goes on. Rays of each kind share among themselves,
-    as each has limits of its own: as much of f̄ as they are of p̄.
+    ``ray`` is BY_LIGHT or BY_LAMP for a light ray, or the kind of the ray that goes on. Rays of each kind share among
+    themselves, as each has limits of its own: as much of f̄ as they are of p̄.
     """
     arrival, points, path = arrival_table(workspace)[0], point_table(workspace), path_table(workspace)[0]
     shares = block.caustic_paths and path.caustic == 1 and path.lines > 0.0
