@@ -140,8 +140,8 @@ class Settings:
     )
     caustic_paths: CausticPaths = _setting(
         CausticPaths.AUTOMATIC,
-        "Trace paths from SDF lamps by way of mirrors and sharp glass to what the camera sees. This gives much less "
-        "noise in caustics. Automatic measures whether it pays. Only on the CPU and in final renders",
+        "Trace paths from SDF lamps by way of mirrors, glass and polished metal to what the camera sees. This gives "
+        "much less noise in caustics. Automatic measures whether it pays. Only on the CPU and in final renders",
         label="Caustics from Lamps",
     )
     clamp_direct: float = _setting(

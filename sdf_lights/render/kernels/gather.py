@@ -137,9 +137,8 @@ def gather_lamps(block, workspace, t_to):
                 weight *= caustic_paths.left_to_path(block, workspace, lamp, count, t_to)
         before = vec(sample_table(workspace)[0].combined)
         contribute(block, workspace, radiance, weight, lamp, path.bounce)
-        if (
-            block.caustic_paths and block.reuses_paths and shared
-        ):  # each point of the group leaves another part of it to caustic paths
+        if block.caustic_paths and block.reuses_paths and shared:
+            # Each point of the group leaves another part of it to caustic paths.
             put_sum(arrival_table(workspace)[0].crossed, sub(vec(sample_table(workspace)[0].combined), before))
 
 
