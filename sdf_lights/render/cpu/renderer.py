@@ -26,6 +26,7 @@ from .light_paths import LightPaths
 from .path_reuse import MOST_STEP, render_tile_reusing, step_for, supports_path_reuse
 from .path_splitting import render_tile
 from .pilot import (
+    EVEN_REUSE_GAIN,
     GAIN,
     LEAST_POTENTIAL,
     LEAST_SAMPLES,
@@ -243,7 +244,8 @@ class CpuRenderer:
             if shared is None:
                 return False
         best = max(shared, reused, key=lambda estimate: estimate.gain)
-        if best.gain > max(REUSE_GAIN, connected.gain):
+        least = EVEN_REUSE_GAIN if best.step == 1 else REUSE_GAIN
+        if best.gain > max(least, connected.gain):
             self._film.clear()
             sample_allocation.begin_with(self._film, self._settings, best.branches)
             self._reuse(best.step, best is shared)
