@@ -47,7 +47,8 @@ class Sources:
         """Of ``lamps`` (n,) with the powers (n,)."""
         x, y, z = lamps["half"].T
         # A lamp shows more than the shade of a ball of its volume, and less than that of its bounding box.
-        areas = 2.0 * (x * y + y * z + z * x) * np.sqrt(np.minimum(lamps["volume"] / (8.0 * x * y * z), 1.0))
+        filled = np.minimum(lamps["volume"] / np.maximum(8.0 * x * y * z, 1e-300), 1.0)
+        areas = np.maximum(2.0 * (x * y + y * z + z * x) * np.sqrt(filled), 1e-300)
         return cls(lamps["center"].copy(), powers, areas)
 
 

@@ -161,8 +161,7 @@ def keep_point(block, workspace, number, pixel, index, branches):
     point.branches, point.pixel, point.index = branches, pixel, index
     if block.caustic_paths:
         seen = path.kind == CAMERA and path.transparent == 0
-        ng = vec(surface_table(workspace)[0].ng)
-        point.area = area_of_pixel(block, vec(path.direction), path.length, ng) if seen else 0.0
+        point.area = area_of_pixel(block, vec(path.direction), path.length, vec(surface.ng)) if seen else 0.0
     point.sum = point.squares = point.brought = point.connected_noise = 0.0
 
 

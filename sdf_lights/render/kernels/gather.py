@@ -14,8 +14,8 @@ from ...replaced import replaced_on_gpu
 from ...vec import is_zero, mul, put_sum, scale, sub, vec
 from . import lights
 from .caustic_paths import dispatch as caustic_paths
+from .caustic_paths.lobes import is_source
 from .caustic_paths.records import BY_LOBE
-from .caustic_paths.records import density_table as caustic_density
 from .emission_graphs import modulated
 from .geometry import surface_table
 from .lamp_tree import found_table, lamps_along
@@ -132,7 +132,7 @@ def gather_lamps(block, workspace, t_to):
         shared = False
         if block.caustic_paths and path.transparent == 0 and (path.caustic > 1 or path.caustic == BY_LOBE):
             if block.reuses_paths and path.reused == ONWARD:
-                shared = caustic_density(block)[lamp] > 0.0
+                shared = is_source(block, lamp)
             if not shared:
                 weight *= caustic_paths.left_to_path(block, workspace, lamp, count, t_to)
         before = vec(sample_table(workspace)[0].combined)

@@ -17,8 +17,7 @@ from ...jit import kernel
 from ...replaced import replaced_on_gpu
 from ...vec import dot, is_zero, largest, length, mul, negate, scale, vec
 from . import lights
-from .caustic_paths.lobes import left_by_lobe
-from .caustic_paths.records import density_table as caustic_density
+from .caustic_paths.lobes import is_source, left_by_lobe
 from .emission_graphs import NO_RAY, modulated
 from .geometry import surface_at, surface_table
 from .light_paths import dispatch as light_paths
@@ -155,13 +154,13 @@ def scattered(block, workspace, wi, kinds, emitter):
     """``shading.evaluate`` for a light ray: of all paths that share the surface, if they do; and of the light of lamps,
     what caustic paths leave."""
     path, ray = path_table(workspace)[0], BY_LIGHT
-    if block.caustic_paths and path.caustic == 1 and path.lines > 0.0 and emitter < block.lamp_count:
-        ray = BY_LAMP if caustic_density(block)[emitter] > 0.0 else BY_LIGHT
+    if block.caustic_paths and path.caustic == 1 and path.lines > 0.0:
+        ray = BY_LAMP if is_source(block, emitter) else BY_LIGHT
     if block.reuses_paths and path.reused == MIXED:
         return path_reuse.evaluate_arrival(block, workspace, wi, kinds, ray)
     value, pdf, glossy_pdf = evaluate(block, workspace, wi, kinds)
     if ray == BY_LAMP:
-        value = scale(value, left_by_lobe(workspace, path, pdf, path.rival))
+        value = scale(value, left_by_lobe(workspace, path.lines, path.lamp_pdf, pdf, path.rival))
     return value, pdf, glossy_pdf
 
 

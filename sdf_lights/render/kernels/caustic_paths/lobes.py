@@ -19,6 +19,7 @@ import numpy as np
 from ....jit import kernel
 from ....vec import largest, vec
 from ..shading.records import MICROFACET, SUBSURFACE, VELVET, closure_table, surface_table
+from .records import density_table
 
 WIDEST = 0.2  # GGX roughness of a lobe that counts as narrow, at most: paths from the camera sample others well
 
@@ -52,9 +53,15 @@ def ratio_of_lobe(lines, lamp_pdf, pdf, rival):
 
 
 @kernel
-def left_by_lobe(workspace, path, pdf, rival):
+def left_by_lobe(workspace, lines, lamp_pdf, pdf, rival):
     """The part of the light of lamps that caustic paths leave to a path, which the surface of the workspace scatters
-    with the density ``pdf``. ``path`` has its ``lines``."""
-    if not has_narrow_lobe(workspace):
+    with the density ``pdf``: all of it without a narrow lobe."""
+    if not (lines > 0.0 and has_narrow_lobe(workspace)):
         return 1.0
-    return 1.0 - weight_of(ratio_of_lobe(path.lines, path.lamp_pdf, pdf, rival))
+    return 1.0 - weight_of(ratio_of_lobe(lines, lamp_pdf, pdf, rival))
+
+
+@kernel
+def is_source(block, emitter):
+    """Whether caustic paths start at this emitter."""
+    return emitter < block.lamp_count and density_table(block)[emitter] > 0.0

@@ -33,7 +33,7 @@ from ..path import CAMERA, MIXED, path_table
 from ..shading import shade
 from ..shading.records import DIFFUSE, SINGULAR, surface_table
 from ..workspace import secondary_table, spans_of
-from .lobes import has_narrow_lobe, ratio_of_lobe, weight_of
+from .lobes import has_narrow_lobe, is_source, left_by_lobe, ratio_of_lobe, weight_of
 from .records import (
     BY_LOBE,
     MAY_DIFFER,
@@ -162,7 +162,7 @@ def left_to_path(block, workspace, lamp, count, t_to):
     """The part of the light of a lamp along the path's ray, behind mirrors or a narrow lobe, that caustic paths leave
     to the path. The ``count`` intervals of the lamp are in the workspace."""
     path, number = path_table(workspace)[0], int(lamp)
-    if not density_table(block)[number] > 0.0:
+    if not is_source(block, number):
         return 1.0
     if path.caustic == BY_LOBE:
         return 1.0 - weight_of(ratio_of_lobe(path.lines, path.lamp_pdf, path.pdf, path.rival))
@@ -188,8 +188,6 @@ def left_to_vertex(block, workspace, x, y, z, pdf, pdf_there):
     ``pdf_there`` to the lamp; the second workspace has the surface of the vertex."""
     path, surface, secondary = path_table(workspace)[0], surface_table(workspace)[0], secondary_table(workspace)[0]
     lines, lamp_pdf = lines_of(block, surface_table(secondary)[0])
-    if not (lines > 0.0 and has_narrow_lobe(secondary)):
-        return 1.0
     ng = vec(surface.ng)
     rival = rival_of(block, ng, area_of_pixel(block, vec(path.direction), path.length, ng), (x, y, z), pdf)
-    return 1.0 - weight_of(ratio_of_lobe(lines, lamp_pdf, pdf_there, rival))
+    return left_by_lobe(secondary, lines, lamp_pdf, pdf_there, rival)

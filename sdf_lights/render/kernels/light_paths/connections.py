@@ -25,7 +25,7 @@ from ....jit import kernel
 from ....vec import ZERO, average, dot, length, madd, mul, negate, normalize, put, scale, sub, transform_normal, vec
 from .. import lights
 from ..caustic_paths import dispatch as caustic_paths
-from ..caustic_paths.records import density_table as caustic_density
+from ..caustic_paths.lobes import is_source
 from ..geometry import TRIANGLES, hit_material, instance_at, instance_table, surface_at
 from ..path import BEYOND, CAMERA, NOWHERE, contribute, path_table
 from ..ray_origins import spawn_ray
@@ -175,7 +175,7 @@ def _connect_with(block, workspace, x, n, vertex, factor, kinds):
     geometry = cosine / (distance * distance * abs(dot(vec(vertex.normal), vec(vertex.wi))))
     factor *= part * left_by_lobes(density_there)
     if block.caustic_paths and path.kind == CAMERA and path.transparent == 0 and vertex.scatters == 1:
-        if vertex.emitter < block.lamp_count and caustic_density(block)[vertex.emitter] > 0.0:
+        if is_source(block, vertex.emitter):
             factor *= caustic_paths.left_to_vertex(block, workspace, wi, density, density_there)
     if path.connects == BEYOND:
         put(path.connection_weight, scale(vec(path.followed_weight), left_by_lobes(density)))

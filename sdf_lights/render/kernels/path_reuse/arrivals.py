@@ -295,7 +295,8 @@ def evaluate_arrival(block, workspace, x, y, z, kinds, ray):
             if arrival.connected > 0.0:
                 value = scale(value, 1.0 - arrival.connected * left_by_lobes(pdf))
             if shares and kind != BY_LIGHT:
-                point.left = left_by_lobe(point_workspaces(workspace)[GROUP + number], path, pdf, point.rival)
+                own = point_workspaces(workspace)[GROUP + number]
+                point.left = left_by_lobe(own, path.lines, path.lamp_pdf, pdf, point.rival)
                 if kind == BY_LAMP:
                     value = scale(value, point.left)
             if kind <= BY_LIGHT:

@@ -54,17 +54,16 @@ ARRIVAL = np.dtype(
     ],
     align=True,
 )
-# A surface where a path of the group divides. All points look at each arrival, so they keep together what that takes:
-# ``position`` and geometric normal, the ``start`` of rays on the side of that, the ``number`` of the triangle, and
-# the distance from which a ray meets anything. ``lambert`` is 1 if all that it scatters is a Lambertian closure with
-# this normal and weight (RGB). Its throughput (RGB), its number of branches, what the present arrival
-# has ``brought``, and the sum of that over all arrivals, and of its square. From ``visible`` on: of the present
-# arrival. ``value`` (RGB) is f |cos| G of the point. ``pdf`` and ``area_pdf`` are densities of the arrival by solid
-# angle, and by area for its kind of ray. ``part`` is that of its branches in the density of the arrival. ``by_light``
-# and ``onward`` (RGB) are f |cos| of the arrival as the point sees it, for the light ray there, and for the path that
-# goes on. ``area`` (m²) is what a pixel shows there, 0 behind a mirror; ``rival`` that of the path to the arrival: see
-# ``caustic_paths.weights``; and ``left`` what caustic paths leave of the light of lamps that the path which goes on
-# crosses first.
+# A surface where a path of the group divides. First what a look at an arrival takes: its position and geometric normal,
+# the ``start`` of rays on that side, the ``number`` of its triangle, and the ``least`` distance at which a ray meets
+# anything. ``lambert`` is 1 if its only closure is a Lambertian one, with this normal and weight (RGB). Then the
+# throughput (RGB) of the path, its number of branches, what the present arrival has ``brought``, and the sum of that
+# over all arrivals, and of its square. From ``visible`` on, but for ``area``: of the present arrival. ``value`` (RGB)
+# is f |cos| G of the point. ``pdf`` and ``area_pdf`` are densities of the arrival by solid angle, and by area for its
+# kind of ray. ``part`` is that of its branches in the density of the arrival. ``by_light`` and ``onward`` (RGB) are f
+# |cos| of the arrival as the point sees it, for the light ray there, and for the path that goes on. ``area`` (m²) is
+# what a pixel shows there, 0 behind a mirror; ``rival`` that of the path to the arrival: see ``caustic_paths.weights``;
+# and ``left`` what caustic paths leave of the light of lamps that the path which goes on crosses first.
 POINT = np.dtype(
     [
         ("position", "f8", 3),

@@ -18,8 +18,7 @@ from __future__ import annotations
 
 from ....jit import kernel
 from ....vec import ZERO, average, dot, length, mul, put, put_sum, scale, sub, vec
-from ..caustic_paths.lobes import has_narrow_lobe, ratio_of_lobe, weight_of
-from ..caustic_paths.records import density_table as caustic_density
+from ..caustic_paths.lobes import is_source, left_by_lobe
 from ..caustic_paths.weights import lines_of
 from ..geometry import TRIANGLES, instance_table, shading_material_table, surface_at
 from ..light_paths import tree
@@ -141,9 +140,8 @@ def _show_vertex(block, workspace, number, each, turn, vertex, factor):
     light = scale(vec(vertex.flux), factor * own / alpha * step / abs(dot(normal, wi)))
     of_diffuse, of_glossy = part_of(alpha / step, diffuse), part_of(alpha / step, glossy)
     lines = lamp_pdf = 0.0
-    if block.caustic_paths and vertex.scatters == 1 and vertex.emitter < block.lamp_count:
-        if caustic_density(block)[vertex.emitter] > 0.0:
-            lines, lamp_pdf = lines_of(block, surface_table(secondary_table(workspace)[0])[0])
+    if block.caustic_paths and vertex.scatters == 1 and is_source(block, vertex.emitter):
+        lines, lamp_pdf = lines_of(block, surface_table(secondary_table(workspace)[0])[0])
     for at in range(arrival.points):
         point = points[at]
         if not point.visible:
@@ -158,8 +156,8 @@ def _show_vertex(block, workspace, number, each, turn, vertex, factor):
             lobes /= density
             by_lobes = one * int(reaches(block, start, vertex, 0, 1)) + other * int(reaches(block, start, vertex, 1, 1))
             part = (part * (1.0 - lobes) + by_lobes * lobes) * left_by_lobes(density)
-            if lines > 0.0 and has_narrow_lobe(point_workspaces(workspace)[GROUP + at]):
-                part *= 1.0 - weight_of(ratio_of_lobe(lines, lamp_pdf, density, point.rival))
+            if lines > 0.0:
+                part *= left_by_lobe(point_workspaces(workspace)[GROUP + at], lines, lamp_pdf, density, point.rival)
         _give(block, workspace, at, scale(mul(scattered, light), part), vertex.emitter < block.lamp_count)
 
 
