@@ -13,6 +13,7 @@ from sdf_lights.render import motion
 from sdf_lights.render.film import Film
 from sdf_lights.render.lights.point import PointLight
 from sdf_lights.render.scene import Ray, Shutter
+from sdf_lights.render.settings import LampPaths, PathReuse
 from sdf_lights.sdf.shapes import Box, Difference, Sphere, Torus
 from support import scenes
 
@@ -74,9 +75,12 @@ class TestPictures:
         assert not scene.warnings
         return film.read("Combined")
 
-    def test_what_stands_still_has_the_same_bits_by_any_shutter(self):
+    @pytest.mark.parametrize(("path_reuse", "rolling"), [(PathReuse.NEVER, 0.5), (PathReuse.ALWAYS, None)])
+    def test_what_stands_still_has_the_same_bits_by_any_shutter(self, path_reuse, rolling):
         plain, open_long = scenes.torus_room(24, 16), scenes.torus_room(24, 16)
-        open_long.shutter = Shutter(motion.exposure(np.array([0.0, 1.0])), 0.5)
+        for scene in (plain, open_long):
+            scene.settings.lamp_paths, scene.settings.path_reuse = LampPaths.NEVER, path_reuse
+        open_long.shutter = Shutter(motion.exposure(np.array([0.0, 1.0])), rolling)
         assert np.array_equal(self.picture(plain), self.picture(open_long))
 
     def test_threads_have_times_of_their_own(self):
