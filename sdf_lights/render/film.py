@@ -105,6 +105,7 @@ class Film:
       ``next_update``: with how many samples that is decided again (``sample_allocation.py``).
     - ``earlier``: counts and sums at the last such decision.
     - ``branches``: into how many the paths of a pixel divide, where the back end lets them (``sample_allocation.py``).
+    - ``shares``: whether groups of pixels share their branches, and have no light paths.
     - ``caustics``: (pixels, RGB) the light of caustic paths, one picture for each of ``caustic_samples`` samples; no
       rows, where there are none.
     - ``samples``: how many samples every active pixel has received whose rate is 1.
@@ -147,6 +148,7 @@ class Film:
         self.divided, self.squares = np.zeros((pixels, DIVIDED)), np.zeros((pixels, SQUARES))
         self.earlier: tuple[np.ndarray, np.ndarray] | None = None
         self.branches = np.full(pixels, scene.settings.indirect_paths or START_BRANCHES, np.int32)
+        self.shares = False
         self.rate, self.next_update = np.ones(pixels), 0
         self.discarded = np.zeros(pixels * len(DISCARDED), np.int32)
         self.caustics, self.caustic_samples = np.zeros((0, 3)), 0

@@ -103,10 +103,14 @@ from .path_splitting import (
 
 # Arrivals that are not diffuse are shaded for each point, which takes time. Where most are so, every eighth point
 # shares one. MOST_TIME: for an arrival on average, in surfaces that rays meet, up to which all points of the group do.
-MOST_STEP, MOST_TIME = 8, 4.0
+# Where none is diffuse, 4 is reached by every eighth point. With that, S2 has every second one by some seeds: 1.07.
+MOST_STEP, MOST_TIME = 8, 5.0
 # Path splitting at such a surface: so many paths go on, each with a light ray. They take less time than its points, if
 # all share it.
 SPLITS = 2
+# Of a group of a block: where fewer pixels are due, groups of the tile have more. With twice as many, the rows of the
+# pilot would form such groups, and promise 0.7 times as much.
+FEWEST_POINTS = GROUP // 4
 LEAST_CHANCE = 0.1  # of an arrival to go on, where vertices of light paths should bring nearly all of its light
 
 
@@ -458,55 +462,119 @@ def finish_group(block, workspace, count, branches):
 
 
 @kernel
-def render_group(blocks, block, workspace, tile, x0, y0, wide, group, number):
-    """One more sample of each pixel of a group, as far as it is to have one by sample ``number`` of pixels of rate 1:
-    False if none is. ``tile``: its corners, x0, y0, x1 and y1. The block of pixels at (x0, y0) is ``wide``, or else
-    high, and has two groups. ``blocks``: see ``path_splitting.render_tile``; ``block`` is that of the group's time."""
-    points, count, stored, branches, some = point_table(workspace), 0, 0, 0, False
-    for cell in range(GROUP):
-        across, along = 2 * (cell % SIDE), cell // SIDE
-        x, y = (x0 + across, y0 + along) if wide else (x0 + along, y0 + across)
-        place = (group + cell_turn(x, y, number + block.sample_offset)) & 1
-        x, y = (x + place, y) if wide else (x, y + place)
-        if x >= tile[2] or y >= tile[3]:
-            continue
-        pixel = pixel_index(block, x, y)
-        index, end = samples_due(block, pixel, number + 1)
-        if index >= end or not is_active(block, pixel):
-            continue
-        some = True
-        kept = begin_pixel(blocks, block, workspace, x, y, pixel, index, count, stored)
-        if kept >= 0:
-            branches += points[count].branches
-            count, stored = count + 1, kept
+def pixel_of_cell(x0, y0, wide, group, cell, number):
+    """The pixel (x, y) of a group in one of its cells, a pair of neighbours, for sample ``number``. The block of pixels
+    at (x0, y0) is ``wide``, or else high, and has two groups."""
+    across, along = 2 * (cell % SIDE), cell // SIDE
+    x, y = (x0 + across, y0 + along) if wide else (x0 + along, y0 + across)
+    place = (group + cell_turn(x, y, number)) & 1
+    return (x + place, y) if wide else (x, y + place)
+
+
+@kernel
+def is_due(block, tile, x, y, number):
+    """Whether a pixel is to have one more sample by sample ``number`` of pixels of rate 1. ``tile``: the corners of
+    what is rendered, x0, y0, x1 and y1."""
+    if x >= tile[2] or y >= tile[3]:
+        return False
+    pixel = pixel_index(block, x, y)
+    index, end = samples_due(block, pixel, number + 1)
+    return index < end and is_active(block, pixel)
+
+
+@kernel
+def add_pixel(blocks, block, workspace, x, y, number, counts):
+    """Let a pixel that is due take its next sample in the open group: the new ``counts``, which are the numbers of its
+    points, of their branches that are stored, and of all of these. ``blocks``: see ``path_splitting.render_tile``;
+    ``block`` is that of the group's time."""
+    count, stored, branches = counts
+    pixel = pixel_index(block, x, y)
+    index, _ = samples_due(block, pixel, number + 1)
+    kept = begin_pixel(blocks, block, workspace, x, y, pixel, index, count, stored)
+    if kept < 0:
+        return counts
+    return count + 1, kept, branches + point_table(workspace)[count].branches
+
+
+@kernel
+def close_group(block, workspace, counts):
+    """Follow the branches of the open group, and add its samples to the film."""
+    count, stored, branches = counts
     arrival_table(workspace)[0].points, arrival_table(workspace)[0].branches = count, branches
     if block.light_paths and count > 0:
         path_reuse.connect_points(block, workspace)
     for at in range(stored):
         follow_branch(block, workspace, at)
     finish_group(block, workspace, count, branches)
-    return some
 
 
 @kernel
-def block_of_group(blocks, workspace, tile, x0, y0, number, turn):
-    """Index of the block of a moving scene, at a time that is drawn for a group: all its rays see one world. The group
-    is as in ``render_group``, which has had it ``turn`` times for this ``number``.
+def block_of_group(blocks, workspace, x, y, number, turn):
+    """Index of the block of a moving scene, at a time that is drawn for groups of the square or tile at (x, y): all
+    rays of a group see one world. ``turn``: 0 in a square, or how often the tile has had groups for this ``number``.
 
     All groups of a square of two blocks have the time in common, as each pixel belongs to one after the other. So the
     times of its samples are spread as evenly as those of a pixel by itself.
     """
-    block, path, side = blocks[0], path_table(workspace)[0], 2 * SIDE
-    x, y = tile[0] + (x0 - tile[0]) // side * side, tile[1] + (y0 - tile[1]) // side * side
+    block, path = blocks[0], path_table(workspace)[0]
     path.seed, path.index = pixel_seed(x, y + (turn << 20), block.seed), block.sample_offset + number
-    return block_at(blocks, 0, draw_time(block, workspace, secondary_table(workspace)[0], y0))
+    return block_at(blocks, 0, draw_time(block, workspace, secondary_table(workspace)[0], y))
+
+
+@kernel
+def render_block(blocks, workspace, tile, x0, y0, wide, number):
+    """One more sample of each pixel of the block at (x0, y0), if it is due; none of a group that would have few."""
+    block, side = blocks[0], 2 * SIDE
+    for group in range(2):
+        due = 0
+        for cell in range(GROUP):
+            x, y = pixel_of_cell(x0, y0, wide, group, cell, number + block.sample_offset)
+            due += int(is_due(block, tile, x, y, number))
+        if due < FEWEST_POINTS:
+            continue
+        if block.moves:
+            x, y = tile[0] + (x0 - tile[0]) // side * side, tile[1] + (y0 - tile[1]) // side * side
+            block = blocks[block_of_group(blocks, workspace, x, y, number, 0)]
+        counts = (0, 0, 0)
+        for cell in range(GROUP):
+            x, y = pixel_of_cell(x0, y0, wide, group, cell, number + block.sample_offset)
+            if is_due(block, tile, x, y, number):
+                counts = add_pixel(blocks, block, workspace, x, y, number, counts)
+        close_group(block, workspace, counts)
+
+
+@kernel
+def render_rest(blocks, workspace, tile, wide, number, turn):
+    """One more sample of each pixel of the tile that is still due, in groups as large as can be: False if none is.
+    ``turn``: 1 or more, how often this is done for this ``number``."""
+    block, some, counts = blocks[0], False, (0, 0, 0)
+    width, height = (2 * SIDE, SIDE) if wide else (SIDE, 2 * SIDE)
+    if block.moves:
+        block = blocks[block_of_group(blocks, workspace, tile[0], tile[1], number, turn)]
+    for group in range(2):
+        for y0 in range(tile[1], tile[3], height):
+            for x0 in range(tile[0], tile[2], width):
+                if counts[0] == 0 and control_table(block)[0] != 0:  # else counted samples would be lost
+                    return False
+                for cell in range(GROUP):
+                    x, y = pixel_of_cell(x0, y0, wide, group, cell, number + block.sample_offset)
+                    if not is_due(block, tile, x, y, number):
+                        continue
+                    some = True
+                    counts = add_pixel(blocks, block, workspace, x, y, number, counts)
+                    if counts[0] == GROUP:
+                        close_group(block, workspace, counts)
+                        counts = (0, 0, 0)
+    close_group(block, workspace, counts)
+    return some
 
 
 @kernel
 def render_tile_reusing(blocks, workspaces, x0, y0, x1, y1, samples):
     """As ``path_splitting.render_tile``, where all pixels of a group take a sample together. The blocks of pixels are
-    wide and high in turn, so their borders do not show."""
-    block, workspace = blocks[0], workspaces[0]
+    wide and high in turn, so their borders do not show. Pixels that take more samples than others, and those whose
+    neighbours take none, form groups of the whole tile."""
+    block, workspace, tile = blocks[0], workspaces[0], (x0, y0, x1, y1)
     first = samples
     for y in range(y0, y1):
         for x in range(x0, x1):
@@ -520,10 +588,7 @@ def render_tile_reusing(blocks, workspaces, x0, y0, x1, y1, samples):
             for x in range(x0, x1, width):
                 if control_table(block)[0] != 0:
                     return
-                for group in range(2):
-                    some, turn = True, 0
-                    while some:
-                        if block.moves:
-                            block = blocks[block_of_group(blocks, workspace, (x0, y0, x1, y1), x, y, number, turn)]
-                        some = render_group(blocks, block, workspace, (x0, y0, x1, y1), x, y, wide, group, number)
-                        turn += 1
+                render_block(blocks, workspace, tile, x, y, wide, number)
+        turn = 1
+        while render_rest(blocks, workspace, tile, wide, number, turn):
+            turn += 1

@@ -247,6 +247,7 @@ class CpuRenderer:
         least = EVEN_REUSE_GAIN if best.step == 1 else REUSE_GAIN
         if best.gain > max(least, connected.gain):
             self._film.clear()
+            self._film.shares = best is reused
             sample_allocation.begin_with(self._film, self._settings, best.branches)
             self._reuse(best.step, best is shared)
             self._light_paths = light_paths if best is shared else None
