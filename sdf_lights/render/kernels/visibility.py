@@ -33,7 +33,12 @@ def shadow_ray(x, start, wi, distance):
     """
     if distance == np.inf:
         return wi, np.inf
-    target = madd(x, distance, wi)
+    return ray_towards(start, madd(x, distance, wi), wi)
+
+
+@kernel
+def ray_towards(start, target, wi):
+    """Direction, about ``wi``, and length of a shadow ray from ``start`` to just before the ``target``."""
     way = sub(target, start)
     t_max = length(way)
     if t_max <= 0.0:
