@@ -58,9 +58,9 @@ PROBE_BRANCHES, PROBE_FRACTION = 2, 1.0 / 32.0
 # Parts of error × time that must be left where paths divide, and where pixels take different numbers of samples. The
 # estimate for splitting is 0.3 to 0.7 under lamps. In ordinary scenes it is 0.8 to 1, and splitting gains nothing.
 # Without: 1.1 to 1.2 there. Where paths are reused, most pixels need one branch. Those that can take little from
-# others, such as glossy ones, need many, but are few. So paths divide there all the same; otherwise 1.1 to 1.2 under
-# lamps. Not so with light paths: all branches share the vertices of a set, and promise more than they bring.
-SPLITTING_GAIN, GUIDANCE_GAIN = 0.8, 0.9
+# others, such as glossy ones, need many, but are few. So any gain is enough there; with the same limit: 1.1 to 1.2
+# under lamps. Not so with light paths: all branches share the vertices of a set, and promise more than they bring.
+SPLITTING_GAIN, SHARED_GAIN, GUIDANCE_GAIN = 0.8, 1.0, 0.9
 MOST_POWER = 2.0  # a is between that of independent samples, 1, and this; without: 1.05 under lamps
 # Part of the mean square brightness that is added to the squares which errors are relative to. It defines the error.
 FLOOR = 0.01
@@ -135,9 +135,9 @@ def update(film: Film, settings: Settings) -> None:
         return _cost(noise, film.count, samples, rate, count), rate, count
 
     found = best(rates, branches)
-    if divides and not film.shares:
+    if divides:
         alone = best(rates, (1,))
-        if found[0] > SPLITTING_GAIN * alone[0]:
+        if found[0] > (SHARED_GAIN if film.shares else SPLITTING_GAIN) * alone[0]:
             found, branches = alone, (1,)
     if guided:
         even = best((1.0,), branches)
