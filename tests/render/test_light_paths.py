@@ -20,7 +20,7 @@ from sdf_lights.render.lights.sun import SunLight
 from sdf_lights.render.material import Material, Node
 from sdf_lights.render.nodes.variables import BACKFACING, POSITION
 from sdf_lights.render.scene import Primitive, Ray, World
-from sdf_lights.render.settings import LampPaths
+from sdf_lights.render.settings import LampPaths, PathReuse
 from support.blocks import means
 from support.scenes import add, camera, cove, look_at, material, scaling, torus_lamp, torus_room, translation
 from support.scenes.strands import tuft
@@ -154,11 +154,10 @@ def _only_walls(scene) -> None:
 
 
 def test_where_they_pay_they_are_used():
-    """A room that a hidden lamp lights. The choice is no other sampling than the setting that is always on."""
-    size = 64, 48
-    without, automatic, always = (
-        picture(each, size=size, change=_only_walls, samples=16) for each in (WITHOUT, AUTOMATIC, ALWAYS)
-    )
+    """A room that a hidden lamp lights. The choice is no other sampling than the setting that is always on. Path reuse,
+    which would divide paths without light paths, is off."""
+    fixed = dict(size=(64, 48), change=_only_walls, samples=16, path_reuse=PathReuse.NEVER)
+    without, automatic, always = (picture(each, **fixed) for each in (WITHOUT, AUTOMATIC, ALWAYS))
     assert not np.array_equal(without, automatic)
     assert _roughness(automatic) < 0.8 * _roughness(without)
     assert automatic.mean() == pytest.approx(always.mean(), rel=0.02)
