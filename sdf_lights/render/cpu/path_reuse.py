@@ -103,13 +103,14 @@ from .path_splitting import (
 
 # Arrivals that are not diffuse are shaded for each point, which takes time. Where most are so, every eighth point
 # shares one. MOST_TIME: for an arrival on average, in surfaces that rays meet, up to which all points of the group do.
-# Where none is diffuse, 4 is reached by every eighth point. With that, S2 has every second one by some seeds: 1.07.
+# Where no arrival is diffuse, every eighth point costs 4. With that limit, some seeds of S2 share an arrival with every
+# second point only: 1.07 times the error × time.
 MOST_STEP, MOST_TIME = 8, 5.0
 # Path splitting at such a surface: so many paths go on, each with a light ray. They take less time than its points, if
 # all share it.
 SPLITS = 2
-# Of a group of a block: where fewer pixels are due, groups of the tile have more. With twice as many, the rows of the
-# pilot would form such groups, and promise 0.7 times as much.
+# If fewer pixels of a block's group are due, they join a group of the tile. With twice this number, the rows of the
+# pilot would do so, and promise 0.7 times as much.
 FEWEST_POINTS = GROUP // 4
 LEAST_CHANCE = 0.1  # of an arrival to go on, where vertices of light paths should bring nearly all of its light
 
@@ -484,9 +485,9 @@ def is_due(block, tile, x, y, number):
 
 @kernel
 def add_pixel(blocks, block, workspace, x, y, number, counts):
-    """Let a pixel that is due take its next sample in the open group: the new ``counts``, which are the numbers of its
-    points, of their branches that are stored, and of all of these. ``blocks``: see ``path_splitting.render_tile``;
-    ``block`` is that of the group's time."""
+    """Let a pixel that is due take its next sample in the open group: the new ``counts``. These are the number of the
+    group's points, of their branches that go on and are stored, and of all their branches. ``blocks``: see
+    ``path_splitting.render_tile``; ``block`` is that of the group's time."""
     count, stored, branches = counts
     pixel = pixel_index(block, x, y)
     index, _ = samples_due(block, pixel, number + 1)
@@ -572,8 +573,8 @@ def render_rest(blocks, workspace, tile, wide, number, turn):
 @kernel
 def render_tile_reusing(blocks, workspaces, x0, y0, x1, y1, samples):
     """As ``path_splitting.render_tile``, where all pixels of a group take a sample together. The blocks of pixels are
-    wide and high in turn, so their borders do not show. Pixels that take more samples than others, and those whose
-    neighbours take none, form groups of the whole tile."""
+    wide and high in turn, so their borders do not show. Pixels that take more samples than others form groups of the
+    whole tile, and so do pixels few of whose neighbours are due."""
     block, workspace, tile = blocks[0], workspaces[0], (x0, y0, x1, y1)
     first = samples
     for y in range(y0, y1):

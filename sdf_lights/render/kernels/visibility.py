@@ -38,7 +38,7 @@ def shadow_ray(x, start, wi, distance):
 
 @kernel
 def ray_towards(start, target, wi):
-    """Direction, about ``wi``, and length of a shadow ray from ``start`` to just before the ``target``."""
+    """Direction, nearly ``wi``, and length of a shadow ray from ``start`` to just before the ``target``."""
     way = sub(target, start)
     t_max = length(way)
     if t_max <= 0.0:
