@@ -166,6 +166,12 @@ GROUPS: dict[str, Callable[[], tuple[list, Callable[[], None]]]] = {
 }
 
 
+def _say(line: str) -> None:
+    """Print in one piece: ``print`` writes the end of the line by itself, and two threads print."""
+    sys.stdout.write(line + "\n")
+    sys.stdout.flush()
+
+
 def _end_with_input() -> None:
     sys.stdin.read()
     os._exit(1)
@@ -182,18 +188,18 @@ def main(words: list[str]) -> None:
     def tell() -> None:
         while not ended.wait(INTERVAL):
             done, total = jit.progress(kernels)
-            print(f"{done} of {total}", flush=True)
+            _say(f"{done} of {total}")
 
     teller = threading.Thread(target=tell, daemon=True)
     teller.start()
     for name, (_, run) in groups.items():
         run()
-        print(f"finished {name}", flush=True)
+        _say(f"finished {name}")
     ended.set()
     teller.join()
     total = jit.progress(kernels)[1]
-    print(f"{total} of {total}", flush=True)
-    print(f"for {kernel_code.host_hash()}", flush=True)
+    _say(f"{total} of {total}")
+    _say(f"for {kernel_code.host_hash()}")
 
 
 if __name__ == "__main__":
