@@ -67,8 +67,9 @@ def test_branches_change_the_noise_alone(shade):
         error = np.sqrt((blocks[0].var(axis=0, ddof=1) + other.var(axis=0, ddof=1)) / 24)
         assert np.all(np.abs(other.mean(axis=0) - blocks[0].mean(axis=0)) < 4.0 * error)
     assert _noise(eight) < 0.5 * _noise(one)
-    one, chosen = (_error(*pictures(branches, 24, 16, shade=shade)) for branches in (1, 0))
-    assert chosen < 0.85 * one
+    alone = dict(shade=shade, path_reuse=PathReuse.NEVER)  # paths that are reused leave less for branches to gain
+    one, chosen = (_error(*pictures(branches, 24, 16, **alone)) for branches in (1, 0))
+    assert chosen < 0.65 * one
 
 
 def _error(found: np.ndarray, work: float) -> float:
