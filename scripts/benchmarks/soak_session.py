@@ -33,6 +33,7 @@ STEPS, SECONDS, SEED = int(ARGUMENTS[1]), float(ARGUMENTS[2]), int(ARGUMENTS[3])
 WARM_UP = 1.0 / 3.0  # of the work
 MANY = 1 << 20  # samples of a render that is to be cancelled
 PATIENCE = 60.0
+RESTS = 5  # seconds
 
 
 def is_rendering() -> bool:
@@ -116,8 +117,14 @@ class Artist(Actor):
         yield from until(lambda: not threads(), PATIENCE)
         yield 1.0
 
-    def held(self) -> dict:
-        return dict(memory=memory(), handles=handles(), threads=sorted(thread.name for thread in threading.enumerate()))
+    def held(self):
+        """The resources at rest. Memory is the least of some seconds: Blender frees what its jobs had when it next
+        redraws, which may be late on a busy machine."""
+        least = memory()
+        for _ in range(RESTS):
+            yield 1.0
+            least = min(least, memory())
+        return dict(memory=least, handles=handles(), threads=sorted(thread.name for thread in threading.enumerate()))
 
 
 def scene() -> bpy.types.Scene:
@@ -158,8 +165,8 @@ def session():
                 samples.append(memory())
         yield from artist.rest()
         if end < 1.0:
-            report["before"], report["steps of the warm-up"] = artist.held(), done
-    report["after"], report["steps"], report["seconds"] = artist.held(), done, time.monotonic() - started
+            report["before"], report["steps of the warm-up"] = (yield from artist.held()), done
+    report["after"], report["steps"], report["seconds"] = (yield from artist.held()), done, time.monotonic() - started
     report["counts"], report["memory at each 50 steps"] = artist.counts, samples
     report["longest escape"] = artist.longest_escape
     report["failures"] = sys.modules["sdf_lights.blender.viewport"]._failures

@@ -29,8 +29,9 @@ from sdf_lights.sdf.expression import evaluate
 CLEAN_ALL_BUFFERS = 0  # of tbb/scalable_allocator.h
 
 # Blender with a window may allocate with Intel's allocator, which keeps freed memory as long as its neighbours are in
-# use. This environment variable makes it use the C library, which reports the memory that the program itself holds.
-C_LIBRARY = {"LD_PRELOAD": "libc.so.6"}
+# use. These environment variables make it use the C library, which reports the memory that the program itself holds; in
+# one arena, as freed memory between that of other threads stays resident.
+C_LIBRARY = {"LD_PRELOAD": "libc.so.6", "MALLOC_ARENA_MAX": "1"}
 
 SHAPES = ["SPHERE", "TORUS", "BOX", "CAPSULE", "CONE"]
 EXPRESSIONS = [
