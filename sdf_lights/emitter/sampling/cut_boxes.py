@@ -22,10 +22,11 @@ import math
 import numpy as np
 
 from ...jit import kernel, stack_array
-from ...vec import dot, length, scale, transform_vector, vec
+from ...vec import add, dot, length, scale, transform_vector, vec
 from ..hashing import bits
 from ..tree.moments import lamp_cells
 from ..tree.nodes import INSIDE
+from . import hidden
 from .cut_tables import LEAST_BRIGHT, MOST_BOXES, lamp_steps
 
 MOST_ENTRIES = 2 * MOST_BOXES
@@ -54,6 +55,7 @@ BOXES = np.dtype(
         ("extent", np.float32, MOST_BOXES),  # mean square distance from the centroid, in square sizes of the region
         ("volume", np.float32, MOST_BOXES),  # accepted volume, as a fraction of the lamp
         ("fill", np.float32, MOST_BOXES),  # light from a unit of the accepted volume
+        ("seen", np.float32, MOST_BOXES),  # the part of the box that places of the scene see: see ``hidden``
         ("cell", np.int32, MOST_BOXES),  # index in the lamp's cells
         ("solid", np.int32, MOST_BOXES),
         ("entry", np.int32, MOST_BOXES),
@@ -125,8 +127,14 @@ def _rank(boxes, k, normal):
         height = 0.5 * (height + half) * (1.0 - waste)
     ratio = boxes.extent[k] / square
     inverse = 1.0 / (square + SOFT * boxes.extent[k] * min(ratio, 1.0))
-    weight = boxes.volume[k] * boxes.fill[k] * (height * math.sqrt(inverse) + AMBIENT) * inverse
-    return weight, spread_variance(ratio) + waste
+    weight = (
+        hidden.weight_of(boxes.seen[k])
+        * boxes.volume[k]
+        * boxes.fill[k]
+        * (height * math.sqrt(inverse) + AMBIENT)
+        * inverse
+    )
+    return weight, spread_variance(ratio) + waste + hidden.variance_of(boxes.seen[k])
 
 
 @kernel
@@ -204,9 +212,13 @@ def part_in_two(boxes, k, cells):
 
 
 @kernel
-def _set(boxes, k, normal, steps, splits, follows, weight, even, uneven):
+def _set(block, place, boxes, k, normal, steps, splits, follows, weight, even, uneven):
     """Record the light of box k, and how much variance a split can remove: by geometry, and by its emission if the box
     ``follows`` it."""
+    boxes.seen[k] = 1.0
+    if place.first_seen != hidden.NONE:
+        center = vec(boxes.center)
+        boxes.seen[k] = hidden.seen_of(block, place, add(center, corner(boxes, k)), add(center, far_corner(boxes, k)))
     weight[k], variance = _rank(boxes, k, normal)
     even[k] = weight[k] * variance if splits else 0.0
     uneven[k] = weight[k] * steps[boxes.cell[k]].rough if splits and follows else 0.0
@@ -222,7 +234,7 @@ def _divide(block, place, normal, tolerance, limit, boxes):
     weight, even, uneven = stack_array(MOST_BOXES), stack_array(MOST_BOXES), stack_array(MOST_BOXES)
     follows = place.rough <= ROUGHEST
     boxes.count = boxes.entries = 1
-    _set(boxes, 0, normal, steps, put(boxes, 0, 0, cells, 0), follows, weight, even, uneven)
+    _set(block, place, boxes, 0, normal, steps, put(boxes, 0, 0, cells, 0), follows, weight, even, uneven)
     while True:
         total, left, rough, worst, most = 0.0, 0.0, 0.0, 0, -1.0
         for k in range(boxes.count):
@@ -235,11 +247,13 @@ def _divide(block, place, normal, tolerance, limit, boxes):
         if not follows:
             boxes.rough = place.rough
         if left + rough <= tolerance * total or boxes.count >= limit:
-            return
+            break
         other = boxes.count
         first, second = part_in_two(boxes, worst, cells)
-        _set(boxes, worst, normal, steps, first, follows, weight, even, uneven)
-        _set(boxes, other, normal, steps, second, follows, weight, even, uneven)
+        _set(block, place, boxes, worst, normal, steps, first, follows, weight, even, uneven)
+        _set(block, place, boxes, other, normal, steps, second, follows, weight, even, uneven)
+    for k in range(boxes.count):
+        boxes.fill[k] *= hidden.weight_of(boxes.seen[k])
 
 
 @kernel

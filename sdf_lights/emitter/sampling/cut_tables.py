@@ -15,6 +15,7 @@ from ..building.build import BuiltLamp, volume_of
 from ..lamps import PRIMITIVE
 from ..tree import interior, moments
 from ..tree.moments import CELL
+from . import hidden
 from .similar import similar
 
 MOST_BOXES = 32  # in a cut
@@ -28,6 +29,7 @@ QUICK_FILL, QUICK_PART = 0.5, 1.0 / 256.0
 PLACEMENT = np.dtype(
     [
         ("first_cell", np.int64),
+        ("first_seen", np.int64),  # see ``hidden``
         ("matrix", np.float64, (3, 4)),  # tree space -> world, relative to the lamp's centre
         ("inverse", np.float64, (3, 4)),  # the inverse
         ("metric", np.float64, (3, 3)),  # scalar product of the world, in tree space
@@ -61,7 +63,7 @@ STEP_DOWN = np.dtype(
 # Fields on which the boxes of regions depend. The boxes are stored, so these must not move with a lamp.
 OF_REGIONS = ("metric", "unit", "thickness")
 
-TABLES = {"lamp_placements": PLACEMENT, "lamp_cells": CELL, "lamp_steps": STEP_DOWN}
+TABLES = {"lamp_placements": PLACEMENT, "lamp_cells": CELL, "lamp_steps": STEP_DOWN, **hidden.TABLES}
 
 placements = table("lamp_placements", PLACEMENT)
 lamp_steps = table("lamp_steps", STEP_DOWN)
@@ -142,6 +144,7 @@ def pack_cuts(built: list[BuiltLamp], sources: list) -> dict[str, np.ndarray]:
             used += len(own)
         to_world = matrix.copy()
         to_world[:3, 3] += to_world[:3, :3] @ tree.center - lamp.row["center"][0]
+        row["first_seen"] = hidden.NONE
         row["first_cell"], thickness, row["rough"] = known[id(own)]
         row["clear"], row["leaf_rough"] = 1, lamp.emission.emission_moments.rough if lamp.emission is not None else 0.0
         row["thickness"], row["factor"] = thickness * factor ** (1.0 / 3.0), factor
@@ -156,7 +159,8 @@ def pack_cuts(built: list[BuiltLamp], sources: list) -> dict[str, np.ndarray]:
         steps[name] = cells[name]
     steps["first"], steps["rough"] = np.where(drawn, -1, cells["first"]), np.concatenate(uneven)
     steps["light"] = np.concatenate(light)
-    return {"lamp_placements": placed, "lamp_cells": cells, "lamp_steps": steps}
+    seen = np.zeros(0, hidden.SEEN)  # until places of the scene have looked
+    return {"lamp_placements": placed, "lamp_cells": cells, "lamp_steps": steps, "lamp_seen": seen}
 
 
 def _drawn(cells: np.ndarray, quick: bool) -> np.ndarray:

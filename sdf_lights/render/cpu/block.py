@@ -8,7 +8,7 @@ import numpy as np
 
 from ... import emitter as lamps
 from ...emitter.sampling import cut as cuts
-from ...emitter.sampling import external
+from ...emitter.sampling import external, hidden
 from ...jit import fill_table, new_tables
 from ..errors import RenderError
 from ..film import Film
@@ -159,6 +159,20 @@ class PackedScene:
         if not len(center):
             return np.zeros(3), np.zeros(3)
         return (center - half).min(axis=0), (center + half).max(axis=0)
+
+    def set_hidden_parts(self, seen: list[np.ndarray | None]) -> bool:
+        """Take the sums of ``emitter.sampling.hidden`` of each lamp, or None. Returns whether they differ: then boxes
+        of regions that workspaces know are those of other sums."""
+        first = np.full(len(seen), hidden.NONE)
+        known = [each for each in seen if each is not None]
+        first[[each is not None for each in seen]] = hidden.ROWS * np.arange(len(known))
+        sums = np.concatenate([np.zeros(0, hidden.SEEN), *known])
+        placed = self._tables["lamp_placements"]
+        if np.array_equal(placed["first_seen"], first) and np.array_equal(self._tables["lamp_seen"], sums):
+            return False
+        placed["first_seen"] = first
+        self._fill({"lamp_seen": sums}, {})
+        return True
 
     def set_path_reuse(self, step: int, connects: bool = False) -> None:
         """Let the paths of neighbouring pixels share their branches; 0: not. Of so many paths, one shares an arrival
@@ -334,6 +348,7 @@ class Workspace:
         self.block = np.zeros(1, WORKSPACE)
         for name, array in self._tables.items():
             fill_table(self.block, name, array)
+        self._secondary = None
         if secondary:
             self._secondary = Workspace(packed, secondary=False)
             fill_table(self.block, "secondary", self._secondary.block)
@@ -343,6 +358,12 @@ class Workspace:
     def arrivals(self) -> np.ndarray:
         """(1,) ``path_reuse.records.ARRIVAL`` of this thread, which counts arrivals."""
         return self._tables["reuse_arrival"]
+
+    def forget_regions(self) -> None:
+        """Forget the boxes of lamps that regions have."""
+        self._tables["lamp_regions"][:] = 0
+        if self._secondary is not None:
+            self._secondary.forget_regions()
 
     def lamp_lengths(self) -> np.ndarray:
         """(lamps, 2) lengths along rays of this thread: unresolved in each lamp, and inside it."""

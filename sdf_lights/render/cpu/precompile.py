@@ -27,6 +27,7 @@ from ...sdf.shapes import SHAPES, Box, Difference, Sphere
 from ..film import Film
 from ..kernels.caustic_paths import code_table as caustic_path_code
 from ..kernels.caustic_paths import trace as caustic_trace
+from ..kernels.hidden_parts import look_at_parts
 from ..kernels.light_paths import code_table as light_path_code
 from ..kernels.light_paths import distant, places, trace, tree
 from ..kernels.media import code_table as media_code
@@ -97,7 +98,13 @@ def _paths() -> tuple[list, Callable[[], None]]:
         CpuRenderer(scene, Film(scene, ()), lambda: False, lambda text: None)
         path_reuse_code.addresses(True, False, (BLOCK, WORKSPACE))
 
-    return [render_tile, render_tile_reusing, *(kernel for kernel, _ in path_reuse_code.KERNELS.values())], run
+    return [
+        render_tile,
+        render_tile_reusing,
+        places.find_places,
+        look_at_parts,
+        *(kernel for kernel, _ in path_reuse_code.KERNELS.values()),
+    ], run
 
 
 def _light_paths() -> tuple[list, Callable[[], None]]:
@@ -105,7 +112,7 @@ def _light_paths() -> tuple[list, Callable[[], None]]:
     kernels = [
         *(kernel for kernel, _ in (light_path_code.KERNELS | path_reuse_code.WITH_LIGHT_PATHS).values()),
         *(tree.build, tree.place, trace.trace_light_paths, trace.weight_by_visibility),
-        *(places.find_places, distant.measure),
+        distant.measure,
         *(kernel for kernel, _ in caustic_path_code.KERNELS.values()),
         *(caustic_trace.trace_caustic_paths, caustic_trace.add_to_image, caustic_trace.find_mirrors),
     ]

@@ -22,6 +22,7 @@ from ..settings import MOST_BRANCHES, PathReuse
 from . import background
 from .block import PackedScene, Workspace
 from .caustic_paths import CausticTracer
+from .hidden_parts import find_hidden_parts
 from .light_paths import LightPaths
 from .path_reuse import MOST_STEP, render_tile_reusing, step_for, supports_path_reuse
 from .path_splitting import render_tile
@@ -127,7 +128,11 @@ class CpuRenderer:
         self._find_strategies(scene, self._packed)
 
     def _find_strategies(self, scene: Scene, packed: PackedScene) -> None:
-        """Find out which strategies for light that surfaces scatter the scene can have. None is used yet."""
+        """Find out which parts of lamps are hidden, and which strategies for light that surfaces scatter the scene can
+        have. None of these is used yet."""
+        if packed.set_hidden_parts(find_hidden_parts(scene, packed, self._workspaces[0])):
+            for workspace in self._workspaces:
+                workspace.forget_regions()
         self._light_paths = LightPaths.of(scene, packed, self._workspaces)
         self._caustics = CausticTracer.of(scene, packed, self._workspaces)
         self._may_reuse = supports_path_reuse(scene, packed)

@@ -7,11 +7,11 @@ import pytest
 
 from sdf_lights.emitter import lamps
 from sdf_lights.emitter.building import build, pack
-from sdf_lights.emitter.sampling import cut
+from sdf_lights.emitter.sampling import cut, hidden
 from sdf_lights.emitter.sampling.strategies import BOXES, PROJECTION
 from sdf_lights.emitter.tree import moments
 from sdf_lights.emitter.tree.interior import tree
-from sdf_lights.jit import kernel
+from sdf_lights.jit import fill_table, kernel
 from sdf_lights.sdf.emission import EmissionExpression
 from sdf_lights.sdf.shapes import Box, BoxFrame, Sphere, Torus, Transformed, Union
 from support.chi2 import chi2_sphere, sphere_integral
@@ -266,3 +266,49 @@ def test_variance_is_below_that_of_the_paper(lamp, point, most):
     found = baselines.run(Technique.CUT, block.blocks, 0, x, unit(n), 40_000, 3)
     paper = baselines.run(Technique.MIS, block.blocks, 0, x, unit(n), 40_000, 3)
     assert found.variance < most * paper.variance
+
+
+def half_hidden(shape) -> LampBlock:
+    """A lamp whose lower half no place of a scene sees."""
+    looks = np.full((hidden.SIDE, hidden.SIDE, hidden.SIDE, 2), 64, np.int64)
+    looks[:, :, : hidden.SIDE // 2, 1] = 0
+    sums = hidden.sums_of(looks.reshape(-1, 2))
+    block = LampBlock(shape, np.eye(4))
+    block.tables["lamp_seen"] = sums
+    block.tables["lamp_placements"]["first_seen"] = 0
+    fill_table(block.blocks, "lamp_seen", sums)
+    return block
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_hidden_parts_leave_the_light(shape):
+    """The density integrates to one, and the irradiance is that of cosine sampling within 4.5 standard errors."""
+    block = half_hidden(SHAPES[shape])
+    x, n = POINTS["above"]
+    total, error = sphere_integral(Cut(block, x, n).density, 200_000, seed=3)
+    assert abs(total - 1.0) < 4.0 * error + 1e-3
+    found = baselines.run(Technique.CUT, block.blocks, 0, x, unit(n), 40_000, 7)
+    expected = baselines.run(Technique.COSINE, block.blocks, 0, x, unit(n), 400_000, 8)
+    assert abs(found.mean - expected.mean) < 4.5 * np.hypot(found.error, expected.error) + 2e-4 * expected.mean
+
+
+@pytest.mark.parametrize("shape, most", [("box", 0.08), ("frame", 0.08), ("torus", 0.4)])
+def test_hidden_parts_are_drawn_seldom(lamp, shape, most):
+    """Of a point on the level of the middle, half of all directions lead to the lower half. A box is one full leaf. Of
+    a ring, many boxes of the tree have both."""
+    at, u = ((1.6, 0.0, 0.0), (-1.0, 0.0, 0.0)), np.random.default_rng(5).random((20_000, 3))
+    even, found = (
+        np.mean(Cut(made, *at, limit=cut.LIMIT).sample(u)[:, 2] < 0.0)
+        for made in (lamp(SHAPES[shape]), half_hidden(SHAPES[shape]))
+    )
+    assert abs(even - 0.5) < 0.02 and found < most
+
+
+def test_only_what_next_to_none_see_is_hidden():
+    looks = np.full((hidden.CELLS, 2), 64, np.int64)
+    looks[: hidden.CELLS // 2, 1] = 16  # half of the lamp, which a quarter of the places see
+    assert hidden.sums_of(looks) is None
+    looks[:3, 1] = 0  # less than a fiftieth
+    assert hidden.sums_of(looks) is None
+    looks[:, 1] = 0  # nobody sees any of it
+    assert hidden.sums_of(looks) is None

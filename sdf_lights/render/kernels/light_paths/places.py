@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 SDF Lights authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Places that light paths are for."""
+"""Places that the camera sees, and that these see: what light is for."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ AWAY = 1e-4  # part of a ray's length by which the next one starts before its en
 
 @kernel
 def find_places(block, workspace, width, height, hits, places):
-    """Fill ``places`` (n, 3) with what rays of the camera through even points of the picture meet, and what rays in any
-    direction from there meet, ``hits`` of each at most; returns how many."""
+    """Fill ``places`` (n, 3) with where rays of the camera through even points of the picture end, just before what
+    they meet, and rays in any direction from there, ``hits`` of each at most; returns how many."""
     scene, scratch, found, seed = block[0], workspace[0], 0, pixel_seed(PLACE, PLACE, block[0].seed)
     clear_self_primitive(ray_table(scratch)[0])
     for index in range(len(places) // hits):
@@ -33,12 +33,10 @@ def find_places(block, workspace, width, height, hits, places):
             start_anew(scene, scratch)
             if not (t_max > t_min and intersect(scene, scratch, origin, direction, t_min, t_max, DIFFUSE)):
                 break
-            distance = float(ray_table(scratch)[0].t_far)
-            place = madd(origin, distance, direction)
+            origin = madd(origin, float(ray_table(scratch)[0].t_far) * (1.0 - AWAY), direction)
             for axis in range(3):
-                places[found, axis] = place[axis]
+                places[found, axis] = origin[axis]
             found += 1
-            origin = madd(origin, distance * (1.0 - AWAY), direction)
             z, phi = 1.0 - 2.0 * u[2], 2.0 * math.pi * u[3]
             s = math.sqrt(max(1.0 - z * z, 0.0))
             direction, t_min, t_max = (s * math.cos(phi), s * math.sin(phi), z), 0.0, np.inf
