@@ -95,6 +95,7 @@ TERMS: dict[str, tuple[str, dict, dict]] = {
     "coarse_tree": ("an eighth of the light paths for the tree", {}, dict(TREE_SHARED=8)),
     "first_update": ("the first decision after four samples, not after two", {}, dict(FIRST_UPDATE=4)),
     "levels": ("the noise of pixels has 9 powers of two, not 25", {}, dict(LEAST=2.0**-8, LEVELS=9)),
+    "hidden_parts": ("hidden parts of lamps get as many light rays as others", {}, dict(LEAST_HIDDEN=math.inf)),
     "ears": (
         "splitting as in EARS (Rath et al. 2022), the same number of samples for all pixels",
         dict(guided_samples=False),
@@ -113,7 +114,7 @@ DEFAULTS = dict(
     indirect_paths=0, guided_samples=True, noise_threshold=0.0, lamp_paths="AUTOMATIC", path_reuse="AUTOMATIC"
 )
 # Modules whose values are replaced where they stand.
-OWNERS = ("render.sample_allocation", "render.cpu.light_paths", "render.cpu.path_reuse")
+OWNERS = ("render.sample_allocation", "render.cpu.light_paths", "render.cpu.path_reuse", "emitter.sampling.hidden")
 DOCUMENT = host.REPOSITORY / "docs" / "sampling.md"
 BEGIN, END = "<!-- allocation -->", "<!-- end of allocation -->"
 

@@ -30,7 +30,7 @@ ENOUGH, LEAST = 0.25, 1.0 / 16.0
 # How much boxes that are seen in part are split rather than others. 0.2: 1.06 times the variance where no side of a box
 # lies at the floor; 1: 1.2 times; 0: twice where they do.
 SPLITS = 0.05
-FEWEST = 0.02  # part of a lamp that must be hidden, or else it is sampled as it is
+LEAST_HIDDEN = 0.02  # part of a lamp that must be hidden, or else it is sampled as it is
 FEWEST_LOOKS = 16  # at a cell, to count as the best
 
 ROUNDING = 1e-3  # of a cell: a box that ends at the side of one does not touch the next
@@ -51,7 +51,7 @@ def sums_of(looks: np.ndarray) -> np.ndarray | None:
     if not best > 0.0:
         return None
     part = np.clip(seen / np.maximum(tried, 1) / (ENOUGH * best), LEAST, 1.0)
-    if tried @ (1.0 - part) < FEWEST * tried.sum():
+    if tried @ (1.0 - part) < LEAST_HIDDEN * tried.sum():
         return None
     found = np.zeros((CORNERS,) * 3, SEEN)
     for name, values in (("volume", tried), ("seen", tried * part)):
