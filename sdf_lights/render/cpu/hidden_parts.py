@@ -8,7 +8,7 @@ import numpy as np
 
 from ...emitter.sampling import hidden
 from ..kernels.hidden_parts import look_at_parts
-from ..kernels.light_paths.places import find_places
+from ..kernels.light_paths.places import AWAY, find_places
 from ..scene import Scene
 from ..settings import LampSampling
 from .block import PackedScene, Workspace
@@ -29,7 +29,7 @@ def find_hidden_parts(scene: Scene, packed: PackedScene, workspace: Workspace) -
     if packed.moves or scene.settings.lamp_sampling is not LampSampling.CUT or points < FEWEST_POINTS:
         return found
     places = np.zeros((RAYS * HITS, 3))
-    places = places[: find_places(workspace.scene, workspace.block, scene.width, scene.height, HITS, places)]
+    places = places[: find_places(workspace.scene, workspace.block, scene.width, scene.height, HITS, AWAY, places)]
     if not len(places):
         return found
     for lamp in range(count):

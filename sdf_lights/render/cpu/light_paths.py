@@ -370,7 +370,7 @@ class LightPaths:
         places = np.zeros((PLACES, 3))
         self._take_targets(targets[:1], powers)
         kernels, scratch = self._workspaces[0].scene, self._workspaces[0].block
-        places = places[: find_places(kernels, scratch, scene.width, scene.height, 2, places)]
+        places = places[: find_places(kernels, scratch, scene.width, scene.height, 2, 0.0, places)]
         if len(places):
             reached = np.zeros((len(distant), len(places)))
             for number, emitter in enumerate(distant):
@@ -407,7 +407,7 @@ class LightPaths:
         vertices = raw[rows[np.arange(self._width) < lengths[:, None]]]
         pilots = np.zeros((PILOTS, 3))
         scene, scratch = self._workspaces[0].scene, self._workspaces[0].block
-        pilots = pilots[: find_places(scene, scratch, self._scene.width, self._scene.height, 1, pilots)]
+        pilots = pilots[: find_places(scene, scratch, self._scene.width, self._scene.height, 1, 0.0, pilots)]
         nodes, tops, count, top_count = np.zeros(MOST_NODES, NODE), np.zeros(MOST_TOPS, np.int64), 0, 0
         if len(vertices) and len(pilots):
             weight_by_visibility(scene, scratch, vertices, pilots)

@@ -21,9 +21,10 @@ AWAY = 1e-4  # part of a ray's length by which the next one starts before its en
 
 
 @kernel
-def find_places(block, workspace, width, height, hits, places):
-    """Fill ``places`` (n, 3) with where rays of the camera through even points of the picture end, just before what
-    they meet, and rays in any direction from there, ``hits`` of each at most; returns how many."""
+def find_places(block, workspace, width, height, hits, before, places):
+    """Fill ``places`` (n, 3) with what rays of the camera through even points of the picture meet, and what rays in any
+    direction from there meet, ``hits`` of each at most; or with where they are ``before``, as a part of their length.
+    Returns how many."""
     scene, scratch, found, seed = block[0], workspace[0], 0, pixel_seed(PLACE, PLACE, block[0].seed)
     clear_self_primitive(ray_table(scratch)[0])
     for index in range(len(places) // hits):
@@ -33,10 +34,12 @@ def find_places(block, workspace, width, height, hits, places):
             start_anew(scene, scratch)
             if not (t_max > t_min and intersect(scene, scratch, origin, direction, t_min, t_max, DIFFUSE)):
                 break
-            origin = madd(origin, float(ray_table(scratch)[0].t_far) * (1.0 - AWAY), direction)
+            distance = float(ray_table(scratch)[0].t_far)
+            place = madd(origin, distance * (1.0 - before), direction)
             for axis in range(3):
-                places[found, axis] = origin[axis]
+                places[found, axis] = place[axis]
             found += 1
+            origin = madd(origin, distance * (1.0 - AWAY), direction)
             z, phi = 1.0 - 2.0 * u[2], 2.0 * math.pi * u[3]
             s = math.sqrt(max(1.0 - z * z, 0.0))
             direction, t_min, t_max = (s * math.cos(phi), s * math.sin(phi), z), 0.0, np.inf
