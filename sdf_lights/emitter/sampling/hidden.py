@@ -22,13 +22,12 @@ CELLS = SIDE**3
 CORNERS = SIDE + 1
 ROWS = CORNERS**3  # of the table, for each lamp
 NONE = -1  # instead of the first row, for lamps without hidden parts
-# Cells that this part of the places that the best cell has sees, or more, count as seen; less of the others does, but
-# this at least. A box of which this part is seen has the weight 1. With a weight in proportion to what is seen, the
-# visible part of a box would have a lower density than the box beside it: 1.2 to 1.5 times the variance where boxes end
-# above or below a floor.
+# A cell counts as seen if at least this part of the places see it that see the best cell. Of other cells, a part in
+# proportion counts, and this at least. A box of which ``ENOUGH`` is seen has the weight 1. If the weight were the part
+# that is seen, such a box would get fewer rays to what is seen of it than the box beside it, which is noisier.
 ENOUGH, LEAST = 0.25, 1.0 / 16.0
-# How much boxes that are seen in part are split rather than others. 0.2: 1.06 times the variance where no side of a box
-# lies at the floor; 1: 1.2 times; 0: twice where they do.
+# How much boxes that are seen in part are split rather than others. More is noisier where boxes do not end at a floor,
+# as others are larger then; 0 is noisier where they do.
 SPLITS = 0.05
 LEAST_HIDDEN = 0.02  # part of a lamp that must be hidden, or else it is sampled as it is
 FEWEST_LOOKS = 16  # at a cell, to count as the best

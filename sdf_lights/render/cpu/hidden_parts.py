@@ -24,9 +24,11 @@ def find_hidden_parts(scene: Scene, packed: PackedScene, workspace: Workspace) -
     """Sums of ``hidden.sums_of`` of each lamp; None where nothing is hidden, and where it is not known: in moving
     scenes, without cuts, and where there are many lamps."""
     count = len(packed.lamps)
-    points = min(POINTS, MOST_POINTS // max(count, 1))
     found: list[np.ndarray | None] = [None] * count
-    if packed.moves or scene.settings.lamp_sampling is not LampSampling.CUT or points < FEWEST_POINTS:
+    if not count or packed.moves or scene.settings.lamp_sampling is not LampSampling.CUT:
+        return found
+    points = min(POINTS, MOST_POINTS // count)
+    if points < FEWEST_POINTS:
         return found
     places = np.zeros((RAYS * HITS, 3))
     places = places[: find_places(workspace.scene, workspace.block, scene.width, scene.height, HITS, AWAY, places)]

@@ -45,6 +45,7 @@ from ..scene import Camera, Instance, Lamp, Mesh, Scene, World
 from ..settings import CausticPaths, Settings
 from .block import PackedScene, Workspace
 from .caustic_paths import CausticTracer
+from .hidden_parts import find_hidden_parts
 from .light_paths import LightPaths
 from .path_reuse import render_tile_reusing
 from .path_splitting import render_tile
@@ -98,21 +99,15 @@ def _paths() -> tuple[list, Callable[[], None]]:
         CpuRenderer(scene, Film(scene, ()), lambda: False, lambda text: None)
         path_reuse_code.addresses(True, False, (BLOCK, WORKSPACE))
 
-    return [
-        render_tile,
-        render_tile_reusing,
-        places.find_places,
-        look_at_parts,
-        *(kernel for kernel, _ in path_reuse_code.KERNELS.values()),
-    ], run
+    return [render_tile, render_tile_reusing, *(kernel for kernel, _ in path_reuse_code.KERNELS.values())], run
 
 
 def _light_paths() -> tuple[list, Callable[[], None]]:
-    """Light paths, their tree, and connections with them; and caustic paths."""
+    """Light paths, their tree, and connections with them; caustic paths; and hidden parts of lamps."""
     kernels = [
         *(kernel for kernel, _ in (light_path_code.KERNELS | path_reuse_code.WITH_LIGHT_PATHS).values()),
         *(tree.build, tree.place, trace.trace_light_paths, trace.weight_by_visibility),
-        distant.measure,
+        *(places.find_places, distant.measure, look_at_parts),
         *(kernel for kernel, _ in caustic_path_code.KERNELS.values()),
         *(caustic_trace.trace_caustic_paths, caustic_trace.add_to_image, caustic_trace.find_mirrors),
     ]
@@ -121,6 +116,7 @@ def _light_paths() -> tuple[list, Callable[[], None]]:
         scene = _scene()
         scene.world = World((0.1, 0.1, 0.1), 1.0)
         packed = PackedScene(scene, Film(scene, ()))
+        find_hidden_parts(scene, packed, Workspace(packed))
         light_paths = LightPaths.of(scene, packed, [Workspace(packed)])
         assert light_paths is not None
         light_paths.use(0)

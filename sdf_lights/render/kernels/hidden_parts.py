@@ -15,7 +15,7 @@ from .ray_origins import clear_self_primitive
 from .rays import SHADOW_OPAQUE, occluded, ray_table, start_anew
 from .samplers import get_3d, pixel_seed
 
-LAMPS = 0x4C41  # of the random numbers
+SEED = 0x4C41  # other numbers than those of pixels
 
 
 @kernel
@@ -23,7 +23,7 @@ def look_at_parts(block, workspace, lamp, points, looks, places, found):
     """Let ``looks`` of the ``places`` (n, 3) look at each of so many even points of a lamp. ``found`` (cells, 2):
     counts of these looks, and of those that nothing opaque ends."""
     scene, scratch = block[0], workspace[0]
-    place, seed = placements(scene)[lamp], pixel_seed(LAMPS, lamp, 0)
+    place, seed = placements(scene)[lamp], pixel_seed(SEED, lamp, 0)
     clear_self_primitive(ray_table(scratch)[0])
     for index in range(points):
         u = get_3d(index, seed, 0)
