@@ -3,6 +3,7 @@
 """``bench allocation``: figures of pictures whose noise is known, and a run."""
 
 import argparse
+import importlib
 
 import numpy as np
 import pytest
@@ -47,14 +48,13 @@ def test_summary_tells_lamps_from_other_scenes():
 
 @pytest.mark.parametrize("term", allocation.TERMS)
 def test_what_a_term_switches_off_exists(term):
-    from sdf_lights.render import sample_allocation
-    from sdf_lights.render.cpu import light_paths, path_reuse, path_splitting
+    from sdf_lights.render.cpu import path_splitting
     from sdf_lights.render.settings import Settings
 
     _, settings, values = allocation.TERMS[term]
     assert settings or values
     assert all(hasattr(Settings(), name) for name in settings)
-    modules = sample_allocation, path_splitting, light_paths, path_reuse
+    modules = path_splitting, *(importlib.import_module(f"sdf_lights.{owner}") for owner in allocation.OWNERS)
     assert all(sum(hasattr(module, name) for module in modules) == 1 for name in values)
 
 
