@@ -25,7 +25,7 @@ NONE = -1  # instead of the first row, for lamps without hidden parts
 # A cell counts as seen if at least this part of the places see it that see the best cell. Of other cells, a part in
 # proportion counts, and this at least. A box of which ``ENOUGH`` is seen has the weight 1. If the weight were the part
 # that is seen, such a box would get fewer rays to what is seen of it than the box beside it, which is noisier.
-ENOUGH, LEAST = 0.25, 1.0 / 16.0
+ENOUGH, LEAST_WEIGHT = 0.25, 1.0 / 16.0
 # How much boxes that are seen in part are split rather than others. More is noisier where boxes do not end at a floor,
 # as others are larger then; 0 is noisier where they do.
 SPLITS = 0.05
@@ -49,7 +49,7 @@ def sums_of(looks: np.ndarray) -> np.ndarray | None:
     best = np.max(seen[known] / tried[known], initial=0.0)
     if not best > 0.0:
         return None
-    part = np.clip(seen / np.maximum(tried, 1) / (ENOUGH * best), LEAST, 1.0)
+    part = np.clip(seen / np.maximum(tried, 1) / (ENOUGH * best), LEAST_WEIGHT, 1.0)
     if tried @ (1.0 - part) < LEAST_HIDDEN * tried.sum():
         return None
     found = np.zeros((CORNERS,) * 3, SEEN)
@@ -101,10 +101,10 @@ def seen_of(block, place, low, high):
 @kernel
 def weight_of(seen):
     """The weight of a box of which this part is seen."""
-    return min(LEAST + (1.0 - LEAST) * max(seen - LEAST, 0.0) / (ENOUGH - LEAST), 1.0)
+    return min(LEAST_WEIGHT + (1.0 - LEAST_WEIGHT) * max(seen - LEAST_WEIGHT, 0.0) / (ENOUGH - LEAST_WEIGHT), 1.0)
 
 
 @kernel
 def variance_of(seen):
     """What is added to the relative variance of such a box, so that it is split."""
-    return SPLITS * max((1.0 - seen) * (seen - LEAST), 0.0) / (seen * seen)
+    return SPLITS * max((1.0 - seen) * (seen - LEAST_WEIGHT), 0.0) / (seen * seen)

@@ -59,7 +59,7 @@ def test_cells_below_the_floor_count_least():
         np.diff(sums[name].reshape((hidden.CORNERS,) * 3)[-1, -1]) for name in ("volume", "seen")
     )  # of the layers
     part = seen / volume
-    assert np.allclose(part[: hidden.SIDE // 2], hidden.LEAST) and np.all(part[hidden.SIDE // 2 :] > 0.9)
+    assert np.allclose(part[: hidden.SIDE // 2], hidden.LEAST_WEIGHT) and np.all(part[hidden.SIDE // 2 :] > 0.9)
 
 
 def test_other_lamps_are_sampled_as_they_are():
