@@ -147,15 +147,19 @@ def _ball(surface):
     return thing
 
 
-def _moving_ball(size: int) -> None:
+def _moving_ball(size: int, room=_spot_on_wall) -> None:
     """A ball that rolls during the exposure."""
-    _spot_on_wall(size)
+    room(size)
     scene, thing = bpy.context.scene, _ball(_paint("Ball", (0.7, 0.2, 0.1)))
     for frame, x in ((0, -0.8), (2, 0.4)):
         thing.location.x = x
         thing.keyframe_insert("location", frame=frame)
     scene.frame_set(1)
     scene.render.use_motion_blur = True
+
+
+def _moving_cove(size: int) -> None:
+    _moving_ball(size, _cove)
 
 
 def _leaf():
@@ -199,7 +203,7 @@ def _wax(size: int) -> None:
 
 ROOMS = dict(cove=_cove, shade=_shade, sign=_sign, door=_door, corridor=_corridor)
 LIGHTS = dict(cove_area=_cove_area, door_point=_door_point, spot_on_wall=_spot_on_wall)  # rooms without SDF lamps
-THINGS = dict(moving_ball=_moving_ball, leaves=_leaves, wax=_wax)  # in such a room: what is shared in part
+THINGS = dict(moving_ball=_moving_ball, moving_cove=_moving_cove, leaves=_leaves, wax=_wax)  # in such rooms: what moves, or is shared in part
 
 
 def build(name: str, size: int) -> bpy.types.Scene:

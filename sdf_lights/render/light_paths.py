@@ -23,7 +23,7 @@ from .settings import CausticPaths, LampPaths, PathReuse
 
 LASTING = "light_path_materials", "light_path_sources"
 OF_SET = "light_path_nodes", "light_path_tops", "light_path_vertices"
-SCALARS = "light_path_follows", "light_path_all", "light_path_roulette"
+SCALARS = "light_path_follows", "light_path_all", "light_path_roulette", "light_path_first_node"
 
 
 class LightPathsByCpu:

@@ -13,16 +13,30 @@ from sdf_lights import jit
 from sdf_lights.graph.formula import Vector, constant
 from sdf_lights.render import session
 from sdf_lights.render.cpu import light_paths, pilot
+from sdf_lights.render.cpu.renderer import CpuRenderer
 from sdf_lights.render.film import Film
 from sdf_lights.render.lights.area import AreaLight
 from sdf_lights.render.lights.point import PointLight, SpotLight
 from sdf_lights.render.lights.sun import SunLight
 from sdf_lights.render.material import Material, Node
 from sdf_lights.render.nodes.variables import BACKFACING, POSITION
-from sdf_lights.render.scene import Primitive, Ray, World
+from sdf_lights.render.scene import Primitive, Ray, Shutter, World
 from sdf_lights.render.settings import LampPaths, PathReuse
 from support.blocks import means
-from support.scenes import add, camera, cove, look_at, material, scaling, torus_lamp, torus_room, translation
+from support.scenes import (
+    add,
+    camera,
+    changing_lamps,
+    cove,
+    look_at,
+    material,
+    moving,
+    rolling,
+    scaling,
+    torus_lamp,
+    torus_room,
+    translation,
+)
 from support.scenes.strands import tuft
 
 pytestmark = pytest.mark.skipif(not jit.AVAILABLE, reason="Numba is not installed")
@@ -75,8 +89,6 @@ def test_the_picture_does_not_depend_on_threads(lamp_paths):
 
 def test_samples_do_not_depend_on_how_they_are_asked_for():
     """Sets of light paths belong to the numbers of samples."""
-    from sdf_lights.render.cpu.renderer import CpuRenderer
-
     found = []
     for counts in ((1, 1, 6), (1, 2, 3, 2)):
         scene = cove(*SIZE)
@@ -321,6 +333,42 @@ def test_all_light_of_such_scenes_is_there(change):
     for one, other in zip(*(means(each) for each in found)):
         error = np.sqrt((one.var(axis=0, ddof=1) + other.var(axis=0, ddof=1)) / len(one))
         assert np.all(np.abs(other.mean(axis=0) - one.mean(axis=0)) < 4.5 * error + 1e-9)
+
+
+@pytest.mark.parametrize("build", [moving, pytest.param(changing_lamps, marks=pytest.mark.slow)])
+def test_what_moves_has_all_of_its_light(build):
+    """As above. The camera, objects, meshes, lamps and lights move, turn, and change their shapes; some objects glow.
+    Some of the exposure counts more than the rest."""
+    found = [
+        np.array([picture(each, build, seed=seed, samples=8) for seed in range(24)]) for each in (WITHOUT, ALWAYS)
+    ]
+    assert not np.array_equal(*found)
+    for one, other in zip(*(means(each) for each in found)):
+        error = np.sqrt((one.var(axis=0, ddof=1) + other.var(axis=0, ddof=1)) / len(one))
+        assert np.all(np.abs(other.mean(axis=0) - one.mean(axis=0)) < 4.5 * error + 1e-9)
+
+
+def test_light_paths_have_the_times_of_the_exposure():
+    """In each eighth of it are as many times of a set as in each other, and the times of many sets are even in it. The
+    exposure has three times as much weight in its second half."""
+    scene = moving(8, 8)
+    scene.shutter = Shutter(np.interp(np.linspace(0.0, 1.0, 65), (0.0, 0.25, 1.0), (0.0, 0.5, 1.0)))
+    renderer = CpuRenderer(scene, Film(scene), lambda: False, lambda text: None)
+    times = np.array([renderer._light_paths._times(number) for number in range(1, 129)])
+    even = np.interp(times, (0.0, 0.5, 1.0), (0.0, 0.25, 1.0))
+    assert np.array_equal(np.floor(even * light_paths.TIMES), np.tile(np.arange(light_paths.TIMES), (128, 1)))
+    histogram, _ = np.histogram(even[:, 3] * light_paths.TIMES % 1.0, 16, (0.0, 1.0))
+    assert np.abs(histogram - 8).max() <= 2
+
+
+@pytest.mark.parametrize("lamp_paths", [ALWAYS, AUTOMATIC])
+def test_a_moving_picture_does_not_depend_on_threads(lamp_paths):
+    one, three = (picture(lamp_paths, changing_lamps, threads=threads, size=(48, 36)) for threads in (1, 3))
+    assert np.array_equal(one, three)
+
+
+def test_a_rolling_shutter_leaves_them_off():
+    assert np.array_equal(*(picture(each, rolling, samples=2) for each in (WITHOUT, ALWAYS)))
 
 
 def _metals(scene) -> None:

@@ -185,7 +185,7 @@ class PackedScene:
         without them."""
         connects = "light_path_vertices" in tables
         code = {"light_path_code": light_path_code.addresses(connects, (BLOCK, WORKSPACE))}
-        self._fill(_empty(light_path_records.TABLES) | tables | code, scalars | {"light_paths": connects})
+        self._fill_all(_empty(light_path_records.TABLES) | tables | code, scalars | {"light_paths": connects})
 
     def set_caustic_paths(self, tables: dict[str, np.ndarray], scalars: dict[str, float]) -> None:
         """Share light behind mirrors with the caustic paths of these tables of ``caustic_paths.records``; with none

@@ -63,7 +63,8 @@ SAME_FROM_ALL_SIDES = {"position", "barycentric"}
 def supports_caustic_paths(scene: Scene, packed: PackedScene) -> bool:
     """Whether caustic paths may share light with paths from the camera, and whether that is asked for.
 
-    - Light paths know the scene: see ``treats_rays_alike``. Filter Glossy would blur mirrors behind diffuse bounces.
+    - Light paths know the scene: see ``treats_rays_alike``. Nothing moves. Filter Glossy would blur mirrors behind
+      diffuse bounces.
     - The camera is perspective or orthographic: other projections would need their inverse, and its derivatives.
     - No pass has parts of the light, but that of all SDF lamps.
     """
@@ -71,6 +72,7 @@ def supports_caustic_paths(scene: Scene, packed: PackedScene) -> bool:
     return bool(
         settings.caustic_paths is not CausticPaths.NEVER
         and settings.max_bounces > 0
+        and not packed.moves
         and settings.filter_glossy == 0.0
         and scene.camera.projection in (Projection.PERSPECTIVE, Projection.ORTHOGRAPHIC)
         and not block["outputs"] & (LOBES | LIGHT)

@@ -28,6 +28,7 @@ from ..kernels.light_paths.records import (
 )
 from ..kernels.light_paths.trace import trace_light_paths, weight_by_visibility
 from ..kernels.lights.kinds import KINDS, TRIANGLE
+from ..kernels.motion import NOT_ROLLING, stop_at
 from ..kernels.outputs.records import LOBES
 from ..kernels.shading.material_records import (
     LOBE_ALPHA,
@@ -56,6 +57,7 @@ from ..kernels.shading.special_lobes import (
     WITH_THIN_SCATTERING,
     WITH_THIN_WALL,
 )
+from ..sample_allocation import GOLDEN
 from ..scene import ALL_SETS, MANY_BOUNCES, Instance, Lamp, Light, Primitive, Ray, Scene, catches_shadows
 from ..settings import LARGEST_BATCH, LampPaths
 from .block import PackedScene, Workspace
@@ -69,6 +71,9 @@ SHARED, TREE_SHARED = 8, 1
 DENOISED_SAMPLES = 1 << 16
 PILOT_SHARED, PILOT_TREE_SHARED = 16, 8
 MOST_PATHS, MOST_TREE_PATHS = 16384, 8192
+# In moving scenes: times of the light paths of a set, each with equally many; and the time of all that a tree is made
+# for but these paths.
+TIMES, MIDDLE = 8, 0.5
 PILOT_NUMBER = 1 << 30  # of light paths: beyond those of samples
 MOST_VERTICES = 32  # of a path
 CONNECTIONS = 2  # for each ray that scatters where paths split
@@ -108,6 +113,7 @@ def supports_light_paths(scene: Scene, packed: PackedScene) -> bool:
     - No material has a BSDF that light paths do not know: see ``materials_of``.
     - Indirect light is not clamped strongly. A clamp takes less from connections than from paths, so the picture would
       be brighter than in Cycles.
+    - The time of a path does not depend on its pixel.
     - A light path has ``MOST_VERTICES`` at most, and passes transparent surfaces where there are some.
     """
     settings, block = scene.settings, packed.block[0]
@@ -115,6 +121,7 @@ def supports_light_paths(scene: Scene, packed: PackedScene) -> bool:
         settings.lamp_paths is not LampPaths.NEVER
         and settings.max_bounces > 0
         and vertices_of(scene, packed) <= MOST_VERTICES
+        and block["rolling_shutter"] == NOT_ROLLING
         and (settings.transparent_bounces > 0 or not block["transparent_shadows"])
         and treats_rays_alike(scene, packed)
         and not block["outputs"] & LOBES
@@ -148,12 +155,11 @@ def is_alike(scene: Scene, packed: PackedScene) -> bool:
     """Whether light that reaches a surface is the same for all kinds of rays that see it, so that one path may use what
     another has found there.
 
-    Each object is met by all kinds of rays but the camera's or by none, and no caustics are off. Nothing moves,
-    scatters in a volume or catches shadows. Linking does not matter: an emitter that does not light all is no source.
+    Each object is met by all kinds of rays but the camera's or by none, and no caustics are off. Nothing scatters in a
+    volume or catches shadows. Linking does not matter: an emitter that does not light all is no source.
     """
     return bool(
         not packed.block[0]["has_media"]
-        and not packed.moves
         and not catches_shadows(scene)
         and packed.block[0]["caustics"] == GLOSSY | TRANSMISSION
         # As integers: operations of enumerations take long, and there may be many thousands of instances.
@@ -262,7 +268,11 @@ def materials_of(packed: PackedScene) -> np.ndarray:
 
 class LightPaths:
     """Light paths of a packed scene, the same ones on any number of threads. ``use`` gives the scene those of some
-    samples."""
+    samples.
+
+    In a moving scene, the light paths of a set have ``TIMES`` times, one in each part of the exposure, and paths from
+    the camera have one of them. Other sets have other times, so the time of a path is as likely as without light paths.
+    """
 
     @classmethod
     def of(cls, scene: Scene, packed: PackedScene, workspaces: list[Workspace]) -> LightPaths | None:
@@ -296,7 +306,8 @@ class LightPaths:
         number, size = sample + offset, 1
         power = 1 << number.bit_length() >> 1  # no set has one within: the greatest power of two up to ``number``
         shared = 1 if power * self._pixels < self._own else SHARED
-        while 2 * size <= min(number, LARGEST_BATCH, MOST_PATHS * shared // self._pixels):
+        # Samples of one set have few times.
+        while not self._packed.moves and 2 * size <= min(number, LARGEST_BATCH, MOST_PATHS * shared // self._pixels):
             size *= 2
         first = number - number % size
         if self._connected != first:  # a range may begin inside a set, and take it in several batches
@@ -347,13 +358,38 @@ class LightPaths:
         """Connect the next paths with the vertices of light paths, so many for each ray that scatters."""
         if not len(self._fixed["light_path_tops"]):
             return
-        raw, lengths = self._trace(number, paths)
-        vertices = np.empty(lengths.sum(), VERTEX)
-        tree.place(self._fixed["light_path_nodes"], raw, lengths, self._width, vertices)
-        self._packed.set_light_paths(
-            self._lasting | self._fixed | {"light_path_vertices": vertices},
-            self._scalars | {"light_path_connections": connections},
-        )
+        times = self._times(number)
+        raw, lengths = self._trace(number, paths, times)
+        vertices, nodes = np.empty(lengths.sum(), VERTEX), []
+        ends = np.cumsum(lengths.reshape(max(len(times), 1), -1).sum(axis=1))
+        parts = zip(np.split(raw, len(ends)), np.split(lengths, len(ends)), np.split(vertices, ends[:-1]), ends)
+        for traced, each, placed, end in parts:
+            nodes.append(self._fixed["light_path_nodes"].copy())
+            tree.place(nodes[-1], traced, each, self._width, placed)
+            nodes[-1]["first"] += end - len(placed)
+        tables = {
+            "light_path_nodes": np.concatenate(nodes),
+            "light_path_vertices": vertices,
+            "light_path_times": times,
+        }
+        scalars = {"light_path_connections": connections, "light_path_node_count": len(nodes[0])}
+        self._packed.set_light_paths(self._lasting | self._fixed | tables, self._scalars | scalars)
+
+    def _times(self, number: int) -> np.ndarray:
+        """(times,) the times of the light paths of this number, within [0, 1]; none if nothing moves."""
+        if not self._packed.moves:
+            return np.zeros(0)
+        # Not by powers of two, as the times of a pixel's samples are: a pixel would not have all times.
+        start = (number * GOLDEN + self._scene.settings.seed * math.sqrt(2.0)) % 1.0
+        shutter = self._packed.table("shutter_times")
+        uniform = (np.arange(TIMES) + start) / TIMES
+        return np.clip(np.interp(uniform, np.linspace(0.0, 1.0, len(shutter)), shutter), 0.0, 1.0)
+
+    def _scene_at(self, time: float) -> np.ndarray:
+        """(1,) the block of the first thread at a time."""
+        blocks = self._workspaces[0].scene
+        first = stop_at(blocks, self._workspaces[0].block, time) if self._packed.moves else 0
+        return blocks[first : first + 1]
 
     def _aim(self) -> None:
         """Find the targets of light paths from the world and suns, and what power comes near to these."""
@@ -369,7 +405,7 @@ class LightPaths:
         powers = np.diff(self._lasting["light_path_power"], prepend=0.0)
         places = np.zeros((PLACES, 3))
         self._take_targets(targets[:1], powers)
-        kernels, scratch = self._workspaces[0].scene, self._workspaces[0].block
+        kernels, scratch = self._scene_at(MIDDLE), self._workspaces[0].block
         places = places[: find_places(kernels, scratch, scene.width, scene.height, 2, 0.0, places)]
         if len(places):
             reached = np.zeros((len(distant), len(places)))
@@ -402,11 +438,11 @@ class LightPaths:
         self._tree_paths = paths
         if not self._aimed:
             self._aim()
-        raw, lengths = self._trace(0, paths)
+        raw, lengths = self._trace(0, paths, self._times(0))
         rows = np.arange(len(raw)).reshape(len(lengths), self._width)
         vertices = raw[rows[np.arange(self._width) < lengths[:, None]]]
         pilots = np.zeros((PILOTS, 3))
-        scene, scratch = self._workspaces[0].scene, self._workspaces[0].block
+        scene, scratch = self._scene_at(MIDDLE), self._workspaces[0].block
         pilots = pilots[: find_places(scene, scratch, self._scene.width, self._scene.height, 1, 0.0, pilots)]
         nodes, tops, count, top_count = np.zeros(MOST_NODES, NODE), np.zeros(MOST_TOPS, np.int64), 0, 0
         if len(vertices) and len(pilots):
@@ -417,12 +453,15 @@ class LightPaths:
             "light_path_tops": tops[:top_count].copy(),
         }
 
-    def _trace(self, number: int, paths: int) -> tuple[np.ndarray, np.ndarray]:
-        """Trace the light paths of this number: rows of ``_width`` vertices for each path, and how many it has."""
+    def _trace(self, number: int, paths: int, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Trace the light paths of this number and with these times: rows of ``_width`` vertices for each path, and how
+        many it has."""
         raw, lengths = np.empty(paths * self._width, VERTEX), np.zeros(paths, np.int64)
 
         def trace(workspace: Workspace, first: int, last: int) -> None:
-            trace_light_paths(workspace.scene, workspace.block, first, last, paths, number, self._width, raw, lengths)
+            trace_light_paths(
+                workspace.scene, workspace.block, first, last, paths, number, times, self._width, raw, lengths
+            )
 
         in_chunks(trace, 0, paths, self._workspaces)
         return raw, lengths

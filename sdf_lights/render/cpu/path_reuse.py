@@ -83,7 +83,7 @@ from ..kernels.ray_origins import least_of, origin_of
 from ..kernels.rays import ray_table
 from ..kernels.samplers import get_1d, pixel_seed
 from ..kernels.shading.records import LAMBERT, TRANSMISSION, closure_table, surface_table
-from ..kernels.workspace import cut_table, point_workspaces, secondary_table
+from ..kernels.workspace import cut_table, point_workspaces
 from ..scene import Scene
 from ..settings import PathReuse
 from .block import PackedScene
@@ -519,7 +519,7 @@ def block_of_group(blocks, workspace, x, y, number, turn):
     """
     block, path = blocks[0], path_table(workspace)[0]
     path.seed, path.index = pixel_seed(x, y + (turn << 20), block.seed), block.sample_offset + number
-    return block_at(blocks, 0, draw_time(block, workspace, secondary_table(workspace)[0], y))
+    return block_at(blocks, 0, draw_time(block, workspace, y))
 
 
 @kernel

@@ -43,7 +43,7 @@ from ..kernels.path import (
 )
 from ..kernels.rays import hit_instance, ray_table
 from ..kernels.samplers import get_1d, pixel_seed
-from ..kernels.workspace import cut_table, secondary_table
+from ..kernels.workspace import cut_table
 
 # Figures are error × time without a constant, over that with it: see the tables of docs/sampling.md.
 # Of a branch: estimates know nothing of what shadows, and of light by other ways. Without it: 1.0 to 1.3. Without
@@ -297,7 +297,7 @@ def render_tile(blocks, workspaces, x0, y0, x1, y1, samples):
                 path.index = block.sample_offset + index
                 clear_sample(workspace)
                 if block.moves:
-                    time = draw_time(block, workspace, secondary_table(workspace)[0], y)
+                    time = draw_time(block, workspace, y)
                     block = blocks[block_at(blocks, 0, time)]
                 if block.outputs:
                     outputs.clear(block, workspace)

@@ -25,6 +25,7 @@ from ...sdf.data import simplest
 from ...sdf.emission import EmissionExpression
 from ...sdf.shapes import SHAPES, Box, Difference, Sphere
 from ..film import Film
+from ..kernels import motion
 from ..kernels.caustic_paths import code_table as caustic_path_code
 from ..kernels.caustic_paths import trace as caustic_trace
 from ..kernels.hidden_parts import look_at_parts
@@ -107,7 +108,7 @@ def _light_paths() -> tuple[list, Callable[[], None]]:
     kernels = [
         *(kernel for kernel, _ in (light_path_code.KERNELS | path_reuse_code.WITH_LIGHT_PATHS).values()),
         *(tree.build, tree.place, trace.trace_light_paths, trace.weight_by_visibility),
-        *(places.find_places, distant.measure, look_at_parts),
+        *(places.find_places, distant.measure, look_at_parts, motion.stop_at),
         *(kernel for kernel, _ in caustic_path_code.KERNELS.values()),
         *(caustic_trace.trace_caustic_paths, caustic_trace.add_to_image, caustic_trace.find_mirrors),
     ]
@@ -116,8 +117,10 @@ def _light_paths() -> tuple[list, Callable[[], None]]:
         scene = _scene()
         scene.world = World((0.1, 0.1, 0.1), 1.0)
         packed = PackedScene(scene, Film(scene, ()))
-        find_hidden_parts(scene, packed, Workspace(packed))
-        light_paths = LightPaths.of(scene, packed, [Workspace(packed)])
+        workspace = Workspace(packed)
+        find_hidden_parts(scene, packed, workspace)
+        motion.stop_at(workspace.scene, workspace.block, 0.0)
+        light_paths = LightPaths.of(scene, packed, [workspace])
         assert light_paths is not None
         light_paths.use(0)
         packed.set_path_reuse(1, connects=True)

@@ -82,6 +82,7 @@ SETTLED = frozenset(
         "light_path_follows",
         "light_path_all",
         "light_path_roulette",
+        "light_path_first_node",
         "caustic_paths",
         "reuses_paths",
         "has_strands",

@@ -6,6 +6,9 @@ In a moving scene, each thread has separate blocks. Lamps, lights and the camera
 to the time before a path begins, linearly between even times. So no other kernel needs to handle their motion.
 Instances are many, and are interpolated when a ray has hit them.
 
+Paths that are connected with light paths have the time of these, which is one of a few for each set: see
+``cpu.light_paths.LightPaths``.
+
 The time of the shutter is cut into *segments*, in which no lamp changes its shape. Each has a block, whose tables are
 those of these shapes. In most scenes there is only one.
 """
@@ -17,9 +20,11 @@ import numpy as np
 from ...jit import kernel, table
 from ..scene import Scene, Shutter
 from .camera import camera_table
+from .light_paths.records import time_table as light_path_times
 from .path import path_table
 from .rays import ray_table
 from .samplers import get_1d
+from .workspace import secondary_table
 
 TIME_SET = 1 << 44  # of random numbers
 
@@ -123,25 +128,39 @@ def _floats(array: np.ndarray) -> np.ndarray:
 
 
 @kernel
-def _time_at(times, u):
+def time_at(times, u):
+    """The time of a uniform number u. ``times``: those of even numbers."""
     place = u * (len(times) - 1)
     cell = min(int(place), len(times) - 2)
     return times[cell] + (place - cell) * (times[cell + 1] - times[cell])
 
 
 @kernel
-def draw_time(block, workspace, secondary, y):
-    """Draw the time of the workspace's path, which begins in the line ``y``: 0 to 1. ``secondary``: the workspace whose
-    rays have the same time."""
+def draw_time(block, workspace, y):
+    """Draw the time of the workspace's path, which begins in the line ``y``: 0 to 1."""
     path = path_table(workspace)[0]
-    time = _time_at(time_table(block), get_1d(path.index, path.seed, TIME_SET))
+    u, times = get_1d(path.index, path.seed, TIME_SET), light_path_times(block)
+    time = times[min(int(u * len(times)), len(times) - 1)] if len(times) > 0 else time_at(time_table(block), u)
     if block.rolling_shutter != NOT_ROLLING:
         line = 1.0 - y / camera_table(block)[0].rows
         time = (time - 0.5) * block.rolling_shutter + (line - 0.5) * (1.0 - block.rolling_shutter) + 0.5
     time = min(max(time, 0.0), 1.0)
-    ray_table(workspace)[0].time = time
-    ray_table(secondary)[0].time = time
+    _set_time(workspace, time)
     return time
+
+
+@kernel
+def _set_time(workspace, time):
+    """Let rays of the workspace have this time, also those of its secondary workspace."""
+    ray_table(workspace)[0].time = time
+    ray_table(secondary_table(workspace)[0])[0].time = time
+
+
+@kernel
+def stop_at(blocks, workspaces, time):
+    """Index of the block for rays of the workspace at a time."""
+    _set_time(workspaces[0], time)
+    return block_at(blocks, 0, time)
 
 
 @kernel
@@ -153,6 +172,10 @@ def block_at(blocks, first, time):
     index = first + segments[step]
     block = blocks[index]
     block.time = time
+    times = light_path_times(block)
+    for number in range(len(times)):
+        if times[number] == time:
+            block.light_path_first_node = number * block.light_path_node_count
     if block.moving_steps > 0:
         moving, places, keys = moving_table(block), place_table(block), key_table(block)
         count = len(places)

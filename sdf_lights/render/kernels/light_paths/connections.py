@@ -92,7 +92,7 @@ def connect(block, workspace, _):
     for number in range(count):
         u, v = get_2d(path.index * count + number, path.seed, path.dimension + CONNECTION_SETS)
         at, probability = tree.draw(block, workspace, path.choice, x, n, u)
-        node = node_table(block)[at]
+        node = node_table(block)[block.light_path_first_node + at]
         if probability > 0.0 and node.count > 0:
             index = node.first + min(int(v * node.count), node.count - 1)
             kinds = get_2d(path.index * count + number, path.seed, path.dimension + KIND_SETS)

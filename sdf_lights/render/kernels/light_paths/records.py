@@ -77,6 +77,7 @@ TABLES = {
         np.float64
     ),  # of each emitter and those before it (W), as far as light paths start there
     "light_path_targets": TARGET,
+    "light_path_times": np.dtype(np.float64),  # in moving scenes, the times that have light paths
     "light_path_code": np.dtype(np.int64),
 }
 SCALARS = [
@@ -84,6 +85,8 @@ SCALARS = [
     ("light_path_connections", np.int64),  # for each ray that scatters where paths split
     ("light_path_roulette", np.float64),  # the least chance with which a path goes on where connections find its light
     ("light_path_follows", np.int64),  # 1: light paths follow all that the scene scatters
+    ("light_path_node_count", np.int64),  # of the tree; ``light_path_nodes`` has a copy for each time
+    ("light_path_first_node", np.int64),  # of the copy for the time of the path
     ("light_path_all", np.int64),  # 1: all light that a path finds beyond a connection is of light paths, too
 ]
 WORKSPACE_TABLES = {"light_path_choice": CHOICE}
@@ -97,5 +100,6 @@ material_table = table("light_path_materials", np.int64)
 source_table = table("light_path_sources", np.int64)
 power_table = table("light_path_power", np.float64)
 target_table = table("light_path_targets", TARGET)
+time_table = table("light_path_times", np.float64)
 vertex_table = table("light_path_vertices", VERTEX)
 choice_table = table("light_path_choice", CHOICE)

@@ -28,6 +28,7 @@ from ....vec import ZERO, add, average, dot, frame, largest, length, mul, negate
 from .. import lights
 from ..emission_graphs import NO_RAY, modulated
 from ..geometry import TRIANGLES, find_surface, instance_table, surface_at, surface_table
+from ..motion import stop_at
 from ..ray_continuation import continue_past_surface
 from ..ray_origins import clear_self_primitive, offset_ray_origin, spawn_ray
 from ..rays import SHADOW_OPAQUE, hit_instance, intersect, occluded, ray_table, start_anew
@@ -270,13 +271,16 @@ def _trace(block, workspace, index, total, seed, raw, first, width):
 
 
 @kernel
-def trace_light_paths(block, workspace, first, last, total, number, width, raw, lengths):
-    """Trace the light paths
-    ``first`` to before ``last`` of ``total``, of pass ``number``, into ``width`` rows of ``raw`` each."""
-    scene, scratch = block[0], workspace[0]
-    seed = pixel_seed(PLACE + number, PLACE, scene.seed)
+def trace_light_paths(block, workspace, first, last, total, number, times, width, raw, lengths):
+    """Trace the light paths ``first`` to before ``last`` of ``total``, of pass ``number``, into ``width`` rows of
+    ``raw`` each. The first of them are of the first of the ``times``, and so on; without these, nothing moves."""
+    scratch, seed, at, now = workspace[0], pixel_seed(PLACE + number, PLACE, block[0].seed), 0, -1
+    each = total // max(len(times), 1)
     for index in range(first, last):
-        lengths[index] = _trace(scene, scratch, index, total, seed, raw, index * width, width)
+        if len(times) > 0 and now != index // each:
+            now = index // each
+            at = stop_at(block, workspace, times[now])
+        lengths[index] = _trace(block[at], scratch, index, each, seed, raw, index * width, width)
 
 
 @kernel

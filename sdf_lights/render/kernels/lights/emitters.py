@@ -194,9 +194,9 @@ def is_this_triangle(block, emitter, instance, primitive):
 
 @kernel
 def triangle_place(block, emitter):
-    """Instance, primitive and area (m²) of an emissive triangle."""
+    """Instance, primitive and area (m²) of an emissive triangle at the time of the path."""
     row = triangle.rows(block)[emitter_table(block)[emitter].index]
-    return np.int64(row.instance), np.int64(row.primitive), row.area
+    return np.int64(row.instance), np.int64(row.primitive), triangle.area(row)
 
 
 @kernel

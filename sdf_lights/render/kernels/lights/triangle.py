@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ....jit import kernel, table
-from ....vec import cross, dot, length, madd, normalize, scale, sub, vec
+from ....vec import ZERO, cross, dot, length, madd, normalize, scale, sub, vec
 from .extent import Extent
 from .records import no_sample
 
@@ -73,6 +73,13 @@ def pack(tables, scene, triangles: Triangles, first: int) -> Extent:
     axis = normal / np.where(length > 0.0, length, 1.0)[:, None]
     intensity = np.abs(np.asarray(triangles.radiance, float)).mean(axis=1) * 0.5 * length
     return Extent(corners.min(axis=1), corners.max(axis=1), intensity, axis=axis, cos_o=1.0, two_sided=True)
+
+
+@kernel
+def area(triangle):
+    """The area (m²) of what its corners are now: between two times, that of its row is interpolated itself."""
+    a, b, c = _sides(triangle, ZERO)
+    return 0.5 * length(cross(sub(b, a), sub(c, a)))
 
 
 @kernel
