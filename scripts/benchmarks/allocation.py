@@ -87,6 +87,7 @@ TERMS: dict[str, tuple[str, dict, dict]] = {
     "path_reuse": ("no path reuse", dict(path_reuse="NEVER"), {}),
     "neither": ("no light paths, and no path reuse", dict(lamp_paths="NEVER", path_reuse="NEVER"), {}),
     "shared_limit": ("paths divide by one limit, be they reused or not", {}, dict(SHARED_GAIN=0.8)),
+    "shared_noise": ("branches that groups share are as noisy as within a pixel", {}, dict(SHARED_NOISE=1.0)),
     "every_point": ("all points of a group share each surface that branches find", {}, dict(MOST_TIME=math.inf)),
     "few_points": ("an eighth of the points share surfaces that are not diffuse", {}, dict(MOST_TIME=0.0)),
     "one_connection": ("one connection for each branch", {}, dict(CONNECTIONS=1)),

@@ -339,9 +339,7 @@ def test_all_light_of_such_scenes_is_there(change):
 def test_what_moves_has_all_of_its_light(build):
     """As above. The camera, objects, meshes, lamps and lights move, turn, and change their shapes; some objects glow.
     Some of the exposure counts more than the rest."""
-    found = [
-        np.array([picture(each, build, seed=seed, samples=8) for seed in range(24)]) for each in (WITHOUT, ALWAYS)
-    ]
+    found = [np.array([picture(each, build, seed=seed, samples=8) for seed in range(24)]) for each in (WITHOUT, ALWAYS)]
     assert not np.array_equal(*found)
     for one, other in zip(*(means(each) for each in found)):
         error = np.sqrt((one.var(axis=0, ddof=1) + other.var(axis=0, ddof=1)) / len(one))
