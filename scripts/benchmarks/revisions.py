@@ -44,13 +44,7 @@ def _scene(name: str, older: pathlib.Path, path: pathlib.Path) -> None:
     simple_scenes.boxes_and_sphere(64)
     simple_scenes.add_point_light()
     if name == "principled":
-        for material in bpy.data.materials:
-            nodes = material.node_tree.nodes
-            color = next(node for node in nodes if "Color" in node.inputs).inputs["Color"].default_value[:]
-            nodes.clear()
-            surface, output = nodes.new("ShaderNodeBsdfPrincipled"), nodes.new("ShaderNodeOutputMaterial")
-            surface.inputs["Base Color"].default_value = color
-            material.node_tree.links.new(surface.outputs[0], output.inputs[0])
+        simple_scenes.make_principled()
     bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True)
 
 

@@ -87,6 +87,17 @@ def boxes_and_sphere(size: int) -> bpy.types.Scene:
     return scene
 
 
+def make_principled() -> None:
+    """Let all materials be a Principled BSDF of their colour."""
+    for material in bpy.data.materials:
+        nodes = material.node_tree.nodes
+        color = next(node for node in nodes if "Color" in node.inputs).inputs["Color"].default_value[:]
+        nodes.clear()
+        surface, output = nodes.new("ShaderNodeBsdfPrincipled"), nodes.new("ShaderNodeOutputMaterial")
+        surface.inputs["Base Color"].default_value = color
+        material.node_tree.links.new(surface.outputs[0], output.inputs[0])
+
+
 def diffuse(name: str, color):
     return material(name, "ShaderNodeBsdfDiffuse", color)
 

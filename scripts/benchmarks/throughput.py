@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Samples a second, compared with Cycles in the same process, and the cost of a CPU render before its first sample.
 
-Boxes and a glossy sphere lit by one point light, with direct light only and with four bounces. The engines take turns.
+Boxes and a glossy sphere lit by one point light, with direct light only and with four bounces, and then all with a
+Principled BSDF, which tells what that costs. The engines take turns.
 A rate is the additional samples of a long render over its additional time, compared with a short one, so that no
 engine's start-up counts; medians of all turns. With ``--device gpu`` the CPU takes turns, too, and so does Cycles on
 the graphics card, if there is one. All of them then render the lamp scenes, where GPU and CPU have the same settings:
@@ -39,12 +40,13 @@ def arguments(parser) -> None:
     programs.processes_argument(parser)
 
 
+PLAIN, PRINCIPLED = "diffuse and glossy", "Principled"
 ENGINES = ("SDF Lights", "Cycles")
 ON_CPU = "SDF Lights on the CPU"  # takes turns, too, if the device is the GPU
 BY_PROJECTION = "SDF Lights, by projection", "SDF Lights on the CPU, by projection"
 ON_CARD = "Cycles on the graphics card, "  # and its back end
 SECONDS = 0.5  # that additional samples take at least
-BOUNCES = (0, 4)
+CASES = ((0, PLAIN), (4, PLAIN), (4, PRINCIPLED))  # bounces and surfaces
 LAMP_SCENES = (*lamp_scenes.THE_FIVE, "blob")  # the last has no closed form
 BRIEF = dict(repeats=1)
 
@@ -80,7 +82,7 @@ def _seconds(options) -> float:
     return 0.0 if options.device == "REFERENCE" or options.quick else SECONDS
 
 
-def measure(bounces: int, options) -> list[dict]:
+def measure(bounces: int, surfaces: str, options) -> list[dict]:
     """A row for each engine; they take turns."""
     size = options.size or (128 if options.quick else 256)
     few, many = (1, 33) if options.quick else (8, 136)
@@ -90,6 +92,8 @@ def measure(bounces: int, options) -> list[dict]:
     repeats = options.repeats or repeats
     scene = simple_scenes.boxes_and_sphere(size)
     simple_scenes.add_point_light()
+    if surfaces == PRINCIPLED:
+        simple_scenes.make_principled()
     engines = _engines(options)
 
     def render(engine: str, samples: int) -> pictures.Picture:
@@ -101,6 +105,7 @@ def measure(bounces: int, options) -> list[dict]:
         dict(
             engine=name,
             bounces=bounces,
+            surfaces=surfaces,
             samples=rate.samples,
             pixels=size * size,
             repeats=repeats,
@@ -118,15 +123,23 @@ def measure(bounces: int, options) -> list[dict]:
 
 
 def rates(options, parts: Parts, progress: Progress) -> tuple[dict, list[dict]]:
-    rows, summary = [], {}
-    for bounces in BOUNCES:
-        progress.show(f"{bounces} bounces")
-        found = parts.of(f"{bounces} bounces", functools.partial(measure, bounces, options))
-        ours, theirs = (row["samples_per_second"] for row in found[:2])
+    rows, summary, plain = [], {}, ()
+    for bounces, surfaces in CASES:
+        name = f"{bounces} bounces, {surfaces}"
+        progress.show(name)
+        found = parts.of(name, functools.partial(measure, bounces, surfaces, options))
+        speeds = ours, theirs = [row["samples_per_second"] for row in found[:2]]
         rows += found
-        key = "direct" if bounces == 0 else f"{bounces}_bounces"
-        summary[f"samples_per_second_{key}"] = ours
-        summary[f"samples_per_second_ratio_to_cycles_{key}"] = ours / theirs
+        if surfaces == PRINCIPLED:
+            summary["principled_samples_per_second_ratio_to_cycles"] = ours / theirs
+            summary["principled_cost"], summary["principled_cost_cycles"] = (
+                before / speed for before, speed in zip(plain, speeds)
+            )
+        else:
+            key = "direct" if bounces == 0 else f"{bounces}_bounces"
+            summary[f"samples_per_second_{key}"] = ours
+            summary[f"samples_per_second_ratio_to_cycles_{key}"] = ours / theirs
+            plain = speeds
         progress.step()
     # The claim is about both, so the smaller of the two ratios is used.
     summary["samples_per_second_ratio_to_cycles"] = min(
@@ -191,7 +204,7 @@ def run(options) -> tuple[dict, list[dict]]:
     on_gpu = options.device == "GPU"
     with_startup = not on_gpu and options.name != "all"  # which runs ``startup`` by itself
     steps = 1 + len(_lamp_scenes(options)) if on_gpu else 1 + startup.turns(options) if with_startup else 0
-    progress = Progress(len(BOUNCES) + steps)
+    progress = Progress(len(CASES) + steps)
     parts = Parts(options)
     if on_gpu:
         progress.show("the GPU's programs")

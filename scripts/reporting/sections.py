@@ -245,12 +245,16 @@ def intervals(result: Result, images: pathlib.Path, page: pathlib.Path) -> list[
 def throughput(result: Result) -> list[str]:
     """Section of samples a second, and start-up."""
     rows = []
-    for bounces in dict.fromkeys(row["bounces"] for row in result.rows if "engine" in row):
-        rates = {row["engine"]: row for row in result.of(bounces=bounces) if "engine" in row}
+    for bounces, surfaces in dict.fromkeys(
+        (row["bounces"], row.get("surfaces")) for row in result.rows if "engine" in row
+    ):
+        of_case = result.of(bounces=bounces)
+        rates = {row["engine"]: row for row in of_case if "engine" in row and row.get("surfaces") == surfaces}
         theirs = rates.get("Cycles")
         rows += [
             [
                 bounces,
+                surfaces,
                 name,
                 row["samples_per_second"],
                 row["slowest"],
@@ -269,6 +273,7 @@ def throughput(result: Result) -> list[str]:
                 table(
                     [
                         "bounces",
+                        "surfaces",
                         "engine",
                         "samples / s, median",
                         "slowest turn",

@@ -219,11 +219,17 @@ def test_rays_that_are_wrong_are_told(tmp_path):
 
 def test_rates_stand_beside_those_of_cycles():
     rows = [
-        dict(engine=engine, bounces=0, samples_per_second=rate, slowest=rate, fastest=rate, mean=0.5)
-        for engine, rate in (("SDF Lights", 300.0), ("Cycles", 100.0))
+        dict(engine=engine, bounces=0, surfaces=kind, samples_per_second=rate, slowest=rate, fastest=rate, mean=0.5)
+        for kind, engine, rate in (
+            ("plain", "SDF Lights", 300.0),
+            ("plain", "Cycles", 100.0),
+            ("coated", "SDF Lights", 50.0),
+            ("coated", "Cycles", 25.0),
+        )
     ] + [dict(start="F12 again", seconds=0.5)]
     text = "\n".join(sections.throughput(results.Result("throughput", "./scripts/bench throughput", {}, rows, MACHINE)))
-    assert "| 0 | SDF Lights | 300 | 300 | 300 | 3 | 0.5 |" in text and "| F12 again | 0.5 |" in text
+    assert "| 0 | plain | SDF Lights | 300 | 300 | 300 | 3 | 0.5 |" in text
+    assert "| 0 | coated | SDF Lights | 50 | 50 | 50 | 2 | 0.5 |" in text and "| F12 again | 0.5 |" in text
 
 
 def test_samplers_at_points_stand_side_by_side():

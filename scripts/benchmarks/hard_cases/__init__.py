@@ -63,5 +63,5 @@ def case(name: str, slow: bool = False, blender: bool = False, opengl: bool = Fa
     return register
 
 
-for _module in ("rays", "light", "faces", "cost", "single", "samples", "motion"):
+for _module in ("rays", "light", "scattered", "faces", "cost", "single", "samples", "motion"):
     importlib.import_module(f".{_module}", __package__)
