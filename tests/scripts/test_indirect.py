@@ -87,7 +87,9 @@ def test_rows_of_other_scenes_stay_in_the_document(tmp_path, monkeypatch):
     monkeypatch.setattr(indirect, "DOCUMENT", copy)
     indirect.document([])
     before = copy.read_text(encoding="utf-8").splitlines()
-    indirect.document([dict(indirect_scene="sign", chosen="path reuse", gain=2.5, cycles=12.0, cycles_guided=13.0)])
+    indirect.document(
+        [dict(indirect_scene="sign", used=True, chosen="path reuse", gain=2.5, cycles=12.0, cycles_guided=13.0)]
+    )
     after = copy.read_text(encoding="utf-8").splitlines()
     assert "| sign | path reuse | 2.50 |  | 12 | 13 |  |  |  |  |" in after
     assert [line for line in after if not line.startswith("| sign ")] == [

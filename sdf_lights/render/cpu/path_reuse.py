@@ -41,7 +41,7 @@ from ..kernels.film import (
 )
 from ..kernels.film import begin_sample as count_sample
 from ..kernels.geometry import TRIANGLES, instance_table
-from ..kernels.integrator import DIVIDES, GOES_ON, scatter, shade_and_scatter, trace_path
+from ..kernels.integrator import DIVIDES, GOES_ON, connect_later, scatter, shade_and_scatter, trace_path
 from ..kernels.light_paths.connections import ROULETTE_SETS
 from ..kernels.light_paths.records import FOLLOW_ALL
 from ..kernels.media import dispatch as media
@@ -315,6 +315,8 @@ def follow_split(block, workspace):
     put(arrival.crossed, ZERO)
     sample_direct_light(block, workspace)
     direct, direct_lamps = vec(sample.combined), vec(sample.lamps)
+    if arrival.even and arrival.connects:
+        connect_later(block, workspace)
     if scatter(block, workspace):
         path.dimension += VERTEX_SETS
         path.reused = ONWARD

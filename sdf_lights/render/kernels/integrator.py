@@ -177,6 +177,16 @@ def may_connect_again(block, path):
 
 
 @kernel
+def connect_later(block, workspace):
+    """Connect the path's surface, one after the first, with light paths, if these have much of its light."""
+    path, surface = path_table(workspace)[0], surface_table(workspace)[0]
+    if may_connect_again(block, path) and path.bounce < block.max_bounces:
+        if largest(vec(surface.transparency)) <= 0.0:
+            light_paths.connect_again(block, workspace)
+            sample_table(workspace)[0].met += AGAIN_COST * path.connects_again
+
+
+@kernel
 def scatter(block, workspace):
     """Continue the path from ``workspace.surface``. False if it ends there."""
     path = path_table(workspace)[0]
@@ -441,10 +451,8 @@ def shade_and_scatter(block, workspace, whole):
         sample_direct_light(block, workspace)
         if block.light_paths:
             path.connects_again = 0
-            if may_connect_again(block, path) and not whole and path.bounce < block.max_bounces:
-                if largest(vec(surface.transparency)) <= 0.0:
-                    light_paths.connect_again(block, workspace)
-                    sample.met += AGAIN_COST * path.connects_again
+            if not whole:
+                connect_later(block, workspace)
     if surface.closure_count == 0 or (path.bounce >= block.max_bounces and finds_no_light(block, surface)):
         return ENDS
     if whole and divides(block, workspace):
