@@ -180,12 +180,12 @@ def single_light_probability(block, number, x, n, emitter, cut):
 
 
 @kernel
-def fit_light_cut(nodes, root, x, n, cut):
+def fit_light_cut(nodes, tree, x, n, cut):
     """Replaces ``tree.fit_cut``: only the root, from which ``select`` goes down."""
-    value, _ = estimate(nodes[root], x, n)
+    value, _ = estimate(nodes[tree.root], x, n)
     if not 0.0 < value < math.inf:
         value = 1.0
-    cut.count, cut.node[0], cut.order[0], cut.weight[0], cut.total = 1, root, 0, value, value
+    cut.count, cut.node[0], cut.order[0], cut.weight[0], cut.total = 1, tree.root, 0, value, value
 
 
 @kernel

@@ -7,8 +7,9 @@ the light tree (Conty Estevez and Kulla 2018). Its nodes estimate the irradiance
 its centroid, spread by its variance. Estimates are poor for nodes that are large relative to their distance. There a
 choice between two children, made once at every level, is far from the contributions of the emitters below. So a *cut*
 of the tree (Walter et al. 2005, "Lightcuts") is made for every lit point. Nodes are replaced by their children, in the
-order of the variance that they are expected to add, until little variance is left or there are ``MOST_NODES``. One of
-them is drawn in proportion to its estimate, and below it one child at each level. Every probability is positive.
+order of the variance that they are expected to add, until little variance is left or there are ``MOST_NODES``; of few
+emitters, all are there at once. One of them is drawn in proportion to its estimate, and below it one child at each
+level. Every probability is positive.
 
 With light linking there are several trees: number 0 has every emitter, and each of the others has those that light some
 surfaces (``linking.py``).
@@ -29,6 +30,7 @@ from .records import MOST_NODES, infinite_table, node_table, tree_table
 BELOW = 0.02
 # Relative variance that a cut may leave: shadows and the emitters themselves have more.
 TOLERANCE = 0.05
+FEW = 6  # emitters of a tree whose cuts have all of them at once: to look for fewer nodes takes longer
 # Minimum factor for light outside the cone of emission: rounding of the cone.
 OUTSIDE = 1e-4
 # Bounds of a probability between two choices.
@@ -168,15 +170,39 @@ def _is_for(cut, root, x, n):
     )
 
 
+@kernel
+def _take_all(cut, nodes, tree, x, n):
+    """Let ``cut`` be all emitters of the tree."""
+    total, least = 0.0, nodes[tree.root].order
+    for index in range(tree.root, tree.root + tree.nodes):
+        if nodes[index].child < 0:
+            k = nodes[index].order - least
+            _put(cut, k, nodes, index, x, n)
+            total += cut.weight[k]
+    cut.count, cut.total = (tree.nodes + 1) // 2, total
+
+
 @replaced_on_gpu
 @kernel
-def fit_cut(nodes, root, x, n, cut):
-    """Make ``cut`` that of the point x with normal n in the tree below ``root``, unless it already is."""
+def fit_cut(nodes, tree, x, n, cut):
+    """Make ``cut`` that of the point x with normal n in the ``tree``, unless it already is."""
+    root = tree.root
     if _is_for(cut, root, x, n):
         return
     cut.root = root
     for axis in range(3):
         cut.x[axis], cut.n[axis] = x[axis], n[axis]
+    if tree.nodes < 2 * FEW:
+        _take_all(cut, nodes, tree, x, n)
+    else:
+        _choose_nodes(cut, nodes, root, x, n)
+    if not 0.0 < cut.total < math.inf:
+        cut.count, cut.node[0], cut.order[0], cut.weight[0], cut.total = 1, root, 0, 1.0, 1.0
+
+
+@kernel
+def _choose_nodes(cut, nodes, root, x, n):
+    """Choose the nodes of a cut below ``root``."""
     _put(cut, 0, nodes, root, x, n)
     count, total = 1, 0.0
     while True:
@@ -196,8 +222,6 @@ def fit_cut(nodes, root, x, n, cut):
         _split(cut, count, splits, least, nodes, x, n)
         count += splits
     cut.count, cut.total = count, total
-    if not 0.0 < total < math.inf:
-        cut.count, cut.node[0], cut.order[0], cut.weight[0], cut.total = 1, root, 0, 1.0, 1.0
 
 
 @kernel
@@ -230,7 +254,7 @@ def select(block, number, x, n, u, cut):
     if _has_one(nodes, tree):
         return ~nodes[tree.root].child, 1.0, u
     if tree.nodes > 0:
-        fit_cut(nodes, tree.root, x, n, cut)
+        fit_cut(nodes, tree, x, n, cut)
     probability = 1.0
     if tree.first == tree.end:
         if tree.nodes == 0:
@@ -296,7 +320,7 @@ def selection_probability(block, number, x, n, emitter, cut):
     if _has_one(nodes, tree):
         return 1.0
     if tree.nodes > 0:
-        fit_cut(nodes, tree.root, x, n, cut)
+        fit_cut(nodes, tree, x, n, cut)
     importance = _total_importance(infinite, tree, n)
     p = _infinite_probability(tree, importance, cut)
     if endless >= 0:
