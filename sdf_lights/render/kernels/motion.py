@@ -128,7 +128,7 @@ def _floats(array: np.ndarray) -> np.ndarray:
 
 
 @kernel
-def time_at(times, u):
+def _time_at(times, u):
     """The time of a uniform number u. ``times``: those of even numbers."""
     place = u * (len(times) - 1)
     cell = min(int(place), len(times) - 2)
@@ -140,7 +140,7 @@ def draw_time(block, workspace, y):
     """Draw the time of the workspace's path, which begins in the line ``y``: 0 to 1."""
     path = path_table(workspace)[0]
     u, times = get_1d(path.index, path.seed, TIME_SET), light_path_times(block)
-    time = times[min(int(u * len(times)), len(times) - 1)] if len(times) > 0 else time_at(time_table(block), u)
+    time = times[min(int(u * len(times)), len(times) - 1)] if len(times) > 0 else _time_at(time_table(block), u)
     if block.rolling_shutter != NOT_ROLLING:
         line = 1.0 - y / camera_table(block)[0].rows
         time = (time - 0.5) * block.rolling_shutter + (line - 0.5) * (1.0 - block.rolling_shutter) + 0.5
