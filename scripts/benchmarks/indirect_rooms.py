@@ -203,9 +203,8 @@ def _wax(size: int) -> None:
 
 ROOMS = dict(cove=_cove, shade=_shade, sign=_sign, door=_door, corridor=_corridor)
 LIGHTS = dict(cove_area=_cove_area, door_point=_door_point, spot_on_wall=_spot_on_wall)  # rooms without SDF lamps
-THINGS = dict(
-    moving_ball=_moving_ball, moving_cove=_moving_cove, leaves=_leaves, wax=_wax
-)  # in such rooms: what moves, or is shared in part
+# In such rooms, something moves, or is shared in part.
+THINGS = dict(moving_ball=_moving_ball, moving_cove=_moving_cove, leaves=_leaves, wax=_wax)
 
 
 def build(name: str, size: int) -> bpy.types.Scene:

@@ -61,8 +61,8 @@ PROBE_BRANCHES, PROBE_FRACTION = 2, 1.0 / 32.0
 # others, such as glossy ones, need many, but are few. So any gain is enough there; with the same limit: 1.1 to 1.2
 # under lamps. Not so with light paths: all branches share the vertices of a set, and promise more than they bring.
 SPLITTING_GAIN, SHARED_GAIN, GUIDANCE_GAIN = 0.8, 1.0, 0.9
-# Noise of branches that groups share, by that within a pixel. More branches also make the mean of a block less noisy:
-# 0.7 to 0.9 of its flicker. With 1: 1.0 to 1.2. With light paths it is 1, as above; with 4 there: 1.0 to 1.15.
+# Noise of branches that groups share, relative to that within a pixel. More branches also make the mean of a block less
+# noisy: 0.7 to 0.9 of its flicker. With 1: 1.0 to 1.2. With light paths it is 1, as above; with 4 there: 1.0 to 1.15.
 SHARED_NOISE = 4.0
 MOST_POWER = 2.0  # a is between that of independent samples, 1, and this; without: 1.05 under lamps
 # Part of the mean square brightness that is added to the squares which errors are relative to. It defines the error.

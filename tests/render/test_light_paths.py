@@ -347,8 +347,8 @@ def test_what_moves_has_all_of_its_light(build):
 
 
 def test_light_paths_have_the_times_of_the_exposure():
-    """In each eighth of it are as many times of a set as in each other, and the times of many sets are even in it. The
-    exposure has three times as much weight in its second half."""
+    """A set has one time in each eighth of the exposure, and the times of many sets are even there. The second half of
+    the exposure has three times the weight of the first."""
     scene = moving(8, 8)
     scene.shutter = Shutter(np.interp(np.linspace(0.0, 1.0, 65), (0.0, 0.25, 1.0), (0.0, 0.5, 1.0)))
     renderer = CpuRenderer(scene, Film(scene), lambda: False, lambda text: None)

@@ -25,7 +25,8 @@ PIXELS = 16
 POWER = 40.0  # W
 BOUNCES = 3
 COLUMNS, ROWS = 128, 64  # of the mesh
-INSCRIBED = 1.0 - math.cos(math.pi / COLUMNS)  # of its radius, by which faces may be inside the sphere: it is uneven
+# Faces may be inside the sphere by this part of its radius, so the light is not quite even.
+INSCRIBED = 1.0 - math.cos(math.pi / COLUMNS)
 QUICK_SEEDS, SEEDS = 8, 24
 # Of Student's distributions with as many seeds: standard errors that a mean exceeds by chance once in 16,000.
 QUICK_ERRORS, ERRORS = 8.5, 4.9

@@ -71,8 +71,8 @@ SHARED, TREE_SHARED = 8, 1
 DENOISED_SAMPLES = 1 << 16
 PILOT_SHARED, PILOT_TREE_SHARED = 16, 8
 MOST_PATHS, MOST_TREE_PATHS = 16384, 8192
-# In moving scenes: times of the light paths of a set, each with equally many; and the time of all that a tree is made
-# for but these paths.
+# In moving scenes: how many times the light paths of a set have; and the time at which the camera looks for the places
+# that a tree and targets are for.
 TIMES, MIDDLE = 8, 0.5
 PILOT_NUMBER = 1 << 30  # of light paths: beyond those of samples
 MOST_VERTICES = 32  # of a path
@@ -379,7 +379,8 @@ class LightPaths:
         """(times,) the times of the light paths of this number, within [0, 1]; none if nothing moves."""
         if not self._packed.moves:
             return np.zeros(0)
-        # Not by powers of two, as the times of a pixel's samples are: a pixel would not have all times.
+        # The times of a pixel's samples are spread by powers of two. If those of sets were, too, a pixel would miss
+        # some.
         start = (number * GOLDEN + self._scene.settings.seed * math.sqrt(2.0)) % 1.0
         shutter = self._packed.table("shutter_times")
         uniform = (np.arange(TIMES) + start) / TIMES
